@@ -80,43 +80,62 @@ def quaternion(pose, order="wxyz") -> list[str]:
     return numbers([dict(zip("xyzw", Rotation.from_matrix(pose[:3, :3]).as_quat()))[axis] for axis in order])
 
 
+def side_by_side(
+    r: Recording, front: Callable, seen: Callable, lost: Sequence[str], beside: Callable | None = None, by: str = ","
+) -> list[str]:
+    """Lines of a table: what stands in front of frame n, and of each tool what is seen of its pose, or that it is lost.
+
+    `beside` says what stands before that, a list, and what behind.
+    """
+    lines = []
+    for n, time in enumerate(r.times):
+        cells = [*front(n, time)]
+        for tool, good in enumerate(r.good[:, n]):
+            before, *behind = beside(tool, n, time, good) if beside else ([],)
+            cells += [*before, *(seen(r.poses[tool, n]) if good else lost), *behind]
+        lines.append(by.join(map(str, cells)))
+    return lines
+
+
+def placed(pose) -> list[str]:
+    """Quaternion and place, as NDI has them."""
+    return [*quaternion(pose), *numbers(pose[:3, 3])]
+
+
+def made(r: Recording, lines: Sequence[str], name="poses.csv", poses=None, times=True, **answers: Any) -> Made:
+    """The table of the first tool, and what a user answers; `poses` where each is known."""
+    truth = r.of(0)[0] if poses is None else poses
+    given = {key: value if isinstance(value, dict) else {key: value} for key, value in answers.items()}
+    return Made(truth, r.times - r.times[0] if times else None, "\n".join(lines), name, given)
+
+
 def ndi_side_by_side(r: Recording) -> Made:
     """NDI's sample of the Combined API: headings again and again, markers beside tools."""
-    marker = ",Marker0.Status,Tx,Ty,Tz" if r.random.uniform() < 0.5 else ""
-    head = "ToolCount" + "".join(
-        ",ToolInfo,Frame#,PortHandle,Face#,timespec_s,timespec_ns,TransformStatus,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Error,#Markers" + marker
-        for _name in r.names
-    )
-    lines = [head]
-    for n, time in enumerate(r.times):
-        line = str(len(r.names))
-        for tool in range(len(r.names)):
-            pose = r.poses[tool, n]
-            values = [*quaternion(pose), *numbers(pose[:3, 3])] if r.good[tool, n] else [""] * 7
-            seconds = 1_700_000_000 + time
-            line += f",,{n},0{tool + 1:X},0,{int(seconds)},{round((seconds % 1) * 1e9)},{'Enabled' if r.good[tool, n] else 'ToolMissing'},"
-            line += ",".join(values) + ",0.12,1" + (",OK,1,2,3" if marker else "")
-        lines.append(line)
-    poses, times = r.of(0)
-    return Made(poses, times, "\n".join(lines), answers={"tool": {"tool": "01"}})
+    marker = r.random.uniform() < 0.5
+    tool = ",ToolInfo,Frame#,PortHandle,Face#,timespec_s,timespec_ns,TransformStatus,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Error,#Markers"
+    head = "ToolCount" + (tool + ",Marker0.Status,Tx,Ty,Tz" * marker) * len(r.names)
+
+    def beside(tool, n, time, good):
+        seconds = 1_700_000_000 + time
+        stamp = [int(seconds), round((seconds % 1) * 1e9), "Enabled" if good else "ToolMissing"]
+        return ["", n, f"0{tool + 1:X}", 0, *stamp], "0.12", 1, *(["OK", 1, 2, 3] * marker)
+
+    lines = side_by_side(r, lambda n, time: [len(r.names)], placed, [""] * 7, beside)
+    return made(r, [head, *lines], tool="01")
 
 
 def ndi_track(r: Recording) -> Made:
     """What NDI Track exports: each tool's columns below its port, name and serial number, markers behind."""
-    marker = ",State,Tx,Ty,Tz" * 3
-    lines = ["Tools"]
     ports = [f"Port 0x{tool + 1:02X}: {name} tool  s/n:3E4C88{tool:02X}" for tool, name in enumerate(r.names)]
-    lines[0] += "".join(f",{port},Frame,Time [sec],Face,State,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Error,Markers{marker}" for port in ports)
-    for n, time in enumerate(r.times):
-        line = str(len(r.names))
-        for tool, port in enumerate(ports):
-            pose = r.poses[tool, n]
-            values = [*quaternion(pose), *numbers(pose[:3, 3])] if r.good[tool, n] else ["-3.697314E28"] * 7
-            line += f",{port},{650512279 + 3 * n},{1778067471 + time:.9f},1,{'OK' if r.good[tool, n] else 'Too Few Markers'},"
-            line += ",".join(values) + ",0.2372032,3" + ",OK,-54.047,-355.147,-1630.068" * 3
-        lines.append(line)
-    poses, times = r.of(0)
-    return Made(poses, times, "\n".join(lines), answers={"tool": {"tool": ports[0]}})
+    columns = "Frame,Time [sec],Face,State,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Error,Markers" + ",State,Tx,Ty,Tz" * 3
+
+    def beside(tool, n, time, good):
+        state = "OK" if good else "Too Few Markers"
+        behind = ["0.2372032", 3, *["OK", "-54.047", "-355.147", "-1630.068"] * 3]
+        return [ports[tool], 650512279 + 3 * n, f"{1778067471 + time:.9f}", 1, state], *behind
+
+    lines = side_by_side(r, lambda n, time: [len(r.names)], placed, ["-3.697314E28"] * 7, beside)
+    return made(r, ["Tools" + "".join(f",{port},{columns}" for port in ports), *lines], tool=ports[0])
 
 
 def ndi_in_rows(r: Recording) -> Made:
@@ -127,8 +146,7 @@ def ndi_in_rows(r: Recording) -> Made:
             pose = r.poses[tool, n]
             values = [*numbers(pose[:3, 3]), *quaternion(pose)] if r.good[tool, n] else ["0"] * 7
             rows.append(",".join([str(tool), f"{time:.6f}", str(n), *values, "0.2"]))
-    poses, times = r.of(0)
-    return Made(poses, times, "\n".join(rows), answers={"tool": {"tool": "0"}})
+    return made(r, rows, tool="0")
 
 
 def motive(r: Recording) -> Made:
@@ -143,112 +161,78 @@ def motive(r: Recording) -> Made:
         ",," + ",".join((["Rotation"] * 4 + ["Position"] * 3 + ["Mean Marker Error"]) * count),
         "Frame,Time (Seconds)," + ",".join(["X", "Y", "Z", "W", "X", "Y", "Z", ""] * count),
     ]
-    rows = []
-    for n, time in enumerate(r.times):
-        cells = [str(n), f"{time:.6f}"]
-        for tool in range(count):
-            pose = r.poses[tool, n]
-            cells += [*quaternion(pose, "xyzw"), *numbers(factor * pose[:3, 3]), "0.0002"] if r.good[tool, n] else [""] * 8
-        rows.append(",".join(cells))
-    poses, times = r.of(0)
-    return Made(poses, times, "\n".join([*head, *rows]), answers={"tool": {"tool": r.names[0]}})
+
+    def seen(pose):
+        return [*quaternion(pose, "xyzw"), *numbers(factor * pose[:3, 3]), "0.0002"]
+
+    lines = side_by_side(r, lambda n, time: [n, f"{time:.6f}"], seen, [""] * 8)
+    return made(r, [*head, *lines], tool=r.names[0])
 
 
 def vicon(r: Recording) -> Made:
-    rate = 50
-    r = replace(r, times=np.arange(len(r.times)) / rate)
+    r = replace(r, times=np.arange(len(r.times)) / 50)
     count = len(r.names)
     names = "," + "".join(f",{name}:{name},,,,," for name in r.names)
-    head = ["Segments", str(rate), names, "Frame,Sub Frame" + ",RX,RY,RZ,TX,TY,TZ" * count, "," + ",deg,deg,deg,mm,mm,mm" * count]
-    rows = []
-    for n in range(len(r.times)):
-        line = f"{n + 1},0"
-        for tool in range(count):
-            pose = r.poses[tool, n]
-            turn = Rotation.from_matrix(pose[:3, :3]).as_rotvec(degrees=True)
-            line += "," + ",".join(numbers([*turn, *pose[:3, 3]]) if r.good[tool, n] else [""] * 6)
-        rows.append(line)
-    after = ["", "Trajectories", str(rate), "," + ",Probe:M1,,", "Frame,Sub Frame,X,Y,Z", ",,mm,mm,mm", "1,0,1,2,3"]
-    poses, times = r.of(0)
-    text = "\n".join([*head, *rows, *(after if r.random.uniform() < 0.5 else [])])
-    said = {"tool": {"tool": f"{r.names[0]}:{r.names[0]}"}, "euler_order": {"euler_order": "vector"}}
-    return Made(poses, times, text, answers=said)
+    head = ["Segments", "50", names, "Frame,Sub Frame" + ",RX,RY,RZ,TX,TY,TZ" * count, "," + ",deg,deg,deg,mm,mm,mm" * count]
+
+    def seen(pose):
+        return numbers([*Rotation.from_matrix(pose[:3, :3]).as_rotvec(degrees=True), *pose[:3, 3]])
+
+    lines = side_by_side(r, lambda n, time: [n + 1, 0], seen, [""] * 6)
+    after = ["", "Trajectories", "50", "," + ",Probe:M1,,", "Frame,Sub Frame,X,Y,Z", ",,mm,mm,mm", "1,0,1,2,3"]
+    after = after if r.random.uniform() < 0.5 else []
+    return made(r, [*head, *lines, *after], tool=f"{r.names[0]}:{r.names[0]}", euler_order="vector")
 
 
 def qualisys(r: Recording) -> Made:
-    head = [
-        f"NO_OF_FRAMES\t{len(r.times)}",
-        f"NO_OF_BODIES\t{len(r.names)}",
-        "FREQUENCY\t40",
-        "DATA_INCLUDED\t6D",
-        "BODY_NAMES\t" + "\t".join(r.names),
-        "\t".join(
-            [
-                "Frame",
-                "Time",
-                *(w for n in r.names for w in (f"{n} X", "Y", "Z", "Roll", "Pitch", "Yaw", "Residual", *(f"Rot[{k}]" for k in range(9)))),
-            ]
-        ),
-    ]
-    rows = []
-    for n, time in enumerate(r.times):
-        cells = [str(n + 1), f"{time:.6f}"]
-        for tool in range(len(r.names)):
-            pose = r.poses[tool, n]
-            angles = Rotation.from_matrix(pose[:3, :3]).as_euler("XYZ", degrees=True)
-            cells += numbers([*pose[:3, 3], *angles, 0.1, *pose[:3, :3].T.ravel()]) if r.good[tool, n] else [""] * 16
-        rows.append("\t".join(cells))
-    poses, times = r.of(0)
+    turn = [f"Rot[{k}]" for k in range(9)]
+    headings = [word for name in r.names for word in (f"{name} X", "Y", "Z", "Roll", "Pitch", "Yaw", "Residual", *turn)]
+    head = [f"NO_OF_FRAMES\t{len(r.times)}", f"NO_OF_BODIES\t{len(r.names)}", "FREQUENCY\t40", "DATA_INCLUDED\t6D"]
+    head += ["\t".join(["BODY_NAMES", *r.names]), "\t".join(["Frame", "Time", *headings])]
+
+    def seen(pose):
+        angles = Rotation.from_matrix(pose[:3, :3]).as_euler("XYZ", degrees=True)
+        return numbers([*pose[:3, 3], *angles, 0.1, *pose[:3, :3].T.ravel()])
+
+    lines = side_by_side(r, lambda n, time: [n + 1, f"{time:.6f}"], seen, [""] * 16, by="\t")
     columns = ("frame", "time", *"xyz", *"----", *(f"r{k}" for k in range(9)), *["-"] * 16 * (len(r.names) - 1))
-    said: dict[str, dict[str, Any]] = {
-        "tool": {"tool": r.names[0]},
-        "column_major": {"column_major": True},
-        "columns": {"columns": " ".join(columns)},
-    }
-    return Made(poses, times, "\n".join([*head, *rows]), "poses.tsv", said)
+    return made(r, [*head, *lines], "poses.tsv", tool=r.names[0], column_major=True, columns=" ".join(columns))
 
 
 def robot(r: Recording, kuka: bool | None = None) -> Made:
     """Universal Robots: meters and rotation vectors under rx ry rz; KUKA: A B C; either with units in the headings or not."""
     said = kuka is None and r.random.uniform() < 0.5
     kuka = r.random.uniform() < 0.5 if kuka is None else kuka
-    poses, times = r.of(0)
     poses = r.poses[0]
+    turned = Rotation.from_matrix(poses[:, :3, :3])
     if kuka:
-        head = (
-            ["Time [s]", "X [mm]", "Y [mm]", "Z [mm]", "A [deg]", "B [deg]", "C [deg]"] if said else ["time", "X", "Y", "Z", "A", "B", "C"]
-        )
-        turns, factor = Rotation.from_matrix(poses[:, :3, :3]).as_euler("ZYX", degrees=True), 1.0
+        head = "Time [s];X [mm];Y [mm];Z [mm];A [deg];B [deg];C [deg]" if said else "time;X;Y;Z;A;B;C"
+        turns, factor = turned.as_euler("ZYX", degrees=True), 1.0
     else:
-        head = ["time_s", "x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"] if said else ["time", "x", "y", "z", "rx", "ry", "rz"]
-        turns, factor = Rotation.from_matrix(poses[:, :3, :3]).as_rotvec(), 1e-3
-    rows = [numbers([t, *(factor * pose[:3, 3]), *turn]) for t, pose, turn in zip(r.times, poses, turns)]
-    given = {"euler_order": {"euler_order": "vector"}, "angle_unit": {"angle_unit": "rad"}, "units": {"units": "m"}}
-    return Made(poses, times, "\n".join(";".join(row) for row in [head, *rows]), answers=given)
+        head = "time_s;x_m;y_m;z_m;rx_rad;ry_rad;rz_rad" if said else "time;x;y;z;rx;ry;rz"
+        turns, factor = turned.as_rotvec(), 1e-3
+    rows = [";".join(numbers([t, *(factor * pose[:3, 3]), *turn])) for t, pose, turn in zip(r.times, poses, turns)]
+    return made(r, [head, *rows], poses=poses, euler_order="vector", angle_unit="rad", units="m")
 
 
 def polhemus(r: Recording) -> Made:
-    poses, times = r.poses[0], r.times - r.times[0]
-    turns = Rotation.from_matrix(poses[:, :3, :3]).as_euler("ZYX", degrees=True)
-    rows = [" ".join(numbers([t, *(0.1 * pose[:3, 3]), *turn])) for t, pose, turn in zip(r.times, poses, turns)]
-    text = "\n".join(["# time x_cm y_cm z_cm azimuth elevation roll", *rows])
-    return Made(poses, times, text, "poses.txt")
+    turns = Rotation.from_matrix(r.poses[0][:, :3, :3]).as_euler("ZYX", degrees=True)
+    rows = [" ".join(numbers([t, *(0.1 * pose[:3, 3]), *turn])) for t, pose, turn in zip(r.times, r.poses[0], turns)]
+    return made(r, ["# time x_cm y_cm z_cm azimuth elevation roll", *rows], "poses.txt", r.poses[0])
 
 
 def ros(r: Recording) -> Made:
-    poses, times = r.poses[0], r.times - r.times[0]
     start = 1_700_000_000_123_456_789
-    stamps = [start + round(t * 1e9) for t in r.times]
+    stamps = [start + round(t * 1e9) for t in r.times - r.times[0]]
     if r.random.uniform() < 0.5:
-        head = "%time,field.header.seq,field.header.stamp,field.header.frame_id," + ",".join(
-            [*(f"field.pose.position.{a}" for a in "xyz"), *(f"field.pose.orientation.{a}" for a in "xyzw")]
-        )
+        axes = [*(f"field.pose.position.{a}" for a in "xyz"), *(f"field.pose.orientation.{a}" for a in "xyzw")]
+        head = ",".join(["%time,field.header.seq,field.header.stamp,field.header.frame_id", *axes])
         front = [f"{stamp + 900_000},{n},{stamp},tracker" for n, stamp in enumerate(stamps)]
     else:
         head = "sec,nanosec,frame_id,x,y,z,qx,qy,qz,qw"
         front = [f"{stamp // 10**9},{stamp % 10**9},tracker" for stamp in stamps]
-    rows = [",".join([f, *numbers(1e-3 * pose[:3, 3]), *quaternion(pose, "xyzw")]) for f, pose in zip(front, poses)]
-    return Made(poses, times, "\n".join([head, *rows]), answers={"units": {"units": "m"}, "tool": {"units": "m"}})
+    rows = [",".join([f, *numbers(1e-3 * pose[:3, 3]), *quaternion(pose, "xyzw")]) for f, pose in zip(front, r.poses[0])]
+    return made(r, [head, *rows], poses=r.poses[0], units="m", tool={"units": "m"})
 
 
 WAYS = [f"{first}{separator}{then}" for separator in ("_", ".", ":", "/", " ", "") for first, then in (("{0}", "{1}"), ("{1}", "{0}"))]
@@ -299,63 +283,46 @@ def plain(r: Recording) -> Made:
         rows.append([*cells, *(values[field] for field in fields)])
     if separator == ";" and random.uniform() < 0.5:
         rows = [[cell.replace(".", ",") for cell in row] for row in rows]
-    poses, times = r.of(0)
     columns = [head[0], *(name if tool == 0 else "-" for tool, name in fields)]
     place = str(order.index(0) + 1)
     unnamed = f"unnamed {place}" if any(place == shown(way.format(label, "")) for label in labels) else place
-    given: dict[str, dict[str, Any]] = {
-        "tool": {"tool": shown(way.format(labels[0], "")) if labels[0] else unnamed},
-        "columns": {"columns": " ".join(columns), "tool": None},
-        "time_unit": {"time_unit": unit},
-        "quaternion_order": {"quaternion_order": "wxyz"},
-        "euler_order": {"euler_order": "xyz"},
-        "angle_unit": {"angle_unit": "deg"},
-        "status_ok": {"status_ok": (words[0],)},
+    given: dict[str, Any] = {
+        "time_unit": unit,
+        "quaternion_order": "wxyz",
+        "euler_order": "xyz",
+        "angle_unit": "deg",
+        "status_ok": (words[0],),
     }
-    return Made(poses, times, "\n".join(separator.join(row) for row in [head, *rows]), answers=given)
+    given["tool"] = shown(way.format(labels[0], "")) if labels[0] else unnamed
+    given["columns"] = {"columns": " ".join(columns), "tool": None}
+    return made(r, [separator.join(row) for row in [head, *rows]], **given)
 
 
 def bare(r: Recording, kind: int | None = None) -> Made:
     """Matrices without headings, in rows of 12 or 16 or in lines of four, row by row or column by column; JSON."""
     poses = r.poses[0]
     kind = int(r.random.integers(4)) if kind is None else kind
+    height = 3 + int(r.random.integers(2))
     if kind == 4:
         rows = [",".join([f"{t:.6f}", *numbers(pose[:3, 3]), *quaternion(pose, "xyzw")]) for t, pose in zip(r.times, poses)]
-        return Made(poses, r.times - r.times[0], "\n".join(["time,x,y,z,qx,qy,qz,qw", *rows]))
+        return made(r, ["time,x,y,z,qx,qy,qz,qw", *rows], poses=poses)
+    if kind == 1:
+        return made(r, [",".join(numbers(pose.T)) for pose in poses], poses=poses, times=False, column_major=True)
+    if kind == 3:
+        items = []
+        for t, pose in zip(r.times, poses):
+            turn = dict(zip("xyzw", map(float, quaternion(pose, "xyzw"))))
+            items.append({"timestamp": float(t), "pose": {"position": dict(zip("xyz", pose[:3, 3].tolist())), "orientation": turn}})
+        return made(r, [json.dumps({"poses": items})], "poses.json", poses)
     if kind == 0:
-        rows_written = 3 + int(r.random.integers(2))
-        text = "\n".join(" ".join(numbers(pose[:rows_written])) for pose in poses)
-    elif kind == 1:
-        text = "\n".join(",".join(numbers(pose.T)) for pose in poses)
-        return Made(poses, None, text, answers={"column_major": {"column_major": True}})
-    elif kind == 2:
-        height = 3 + int(r.random.integers(2))
-        text = "\n".join("\n".join(" ".join(numbers(line)) for line in pose[:height]) for pose in poses)
+        lines = [" ".join(numbers(pose[:height])) for pose in poses]
     else:
-        items = [
-            {
-                "timestamp": float(t),
-                "pose": {
-                    "position": dict(zip("xyz", p[:3, 3].tolist())),
-                    "orientation": dict(zip("xyzw", map(float, quaternion(p, "xyzw")))),
-                },
-            }
-            for t, p in zip(r.times, poses)
-        ]
-        return Made(poses, r.times - r.times[0], json.dumps({"poses": items}), "poses.json")
-    return Made(poses, None, text, "poses.txt")
+        lines = [" ".join(numbers(line)) for pose in poses for line in pose[:height]]
+    return made(r, lines, "poses.txt", poses, times=False)
 
 
 LAYOUTS: list[Callable[[Recording], Made]] = [
-    ndi_side_by_side,
-    ndi_track,
-    ndi_in_rows,
-    motive,
-    vicon,
-    qualisys,
-    robot,
-    polhemus,
-    ros,
+    *(ndi_side_by_side, ndi_track, ndi_in_rows, motive, vicon, qualisys, robot, polhemus, ros),
     *[plain] * 5,
     bare,
 ]
@@ -365,6 +332,4 @@ def made_table(seed: int) -> Made:
     """One of them."""
     random = np.random.default_rng(seed)
     layout = LAYOUTS[seed % len(LAYOUTS)]
-    made = layout(recording(random, int(random.integers(1, 4))))
-    made.layout = layout.__name__
-    return made
+    return replace(layout(recording(random, int(random.integers(1, 4)))), layout=layout.__name__)

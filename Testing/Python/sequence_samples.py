@@ -8,16 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
-ELEMENT_TYPES = {
-    "u1": "MET_UCHAR",
-    "i1": "MET_CHAR",
-    "u2": "MET_USHORT",
-    "i2": "MET_SHORT",
-    "i4": "MET_INT",
-    "f4": "MET_FLOAT",
-    "f8": "MET_DOUBLE",
+TYPES = {
+    "u1": ("MET_UCHAR", "uint8"),
+    "i1": ("MET_CHAR", "int8"),
+    "u2": ("MET_USHORT", "uint16"),
+    "i2": ("MET_SHORT", "int16"),
+    "i4": ("MET_INT", "int32"),
+    "f4": ("MET_FLOAT", "float"),
+    "f8": ("MET_DOUBLE", "double"),
 }
-NRRD_TYPES = {"u1": "uint8", "i1": "int8", "u2": "uint16", "i2": "int16", "i4": "int32", "f4": "float", "f8": "double"}
+"""In a MetaImage, and in an NRRD file."""
+
 IDENTITY = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"
 FIELDS = {
     "Seq_Frame0000_ProbeToTrackerTransform": "1 0 0 10.5 0 1 0 -2.25 0 0 1 3e-05 0 0 0 1",
@@ -61,7 +62,7 @@ def metaimage(
         "Kinds": "domain domain list",
         "ElementNumberOfChannels": str(pixels.shape[3]) if pixels.ndim == 4 else None,
         "ElementSpacing": "1 1 1",
-        "ElementType": ELEMENT_TYPES[pixels.dtype.str[1:]],
+        "ElementType": TYPES[pixels.dtype.str[1:]][0],
         "UltrasoundImageOrientation": "MFA",
         **fields,
         **changes,
@@ -92,7 +93,7 @@ def nrrd(
         "endian": "big" if pixels.dtype.str[0] == ">" else "little",
         "kinds": "vector domain domain list" if color else "domain domain list",
         "sizes": f"{f'{pixels.shape[3]} ' if color else ''}{columns} {rows} {frames}",
-        "type": NRRD_TYPES[pixels.dtype.str[1:]],
+        "type": TYPES[pixels.dtype.str[1:]][1],
         **{key.replace("_", " "): value for key, value in changes.items()},
     }
     lines = [f"{key}: {value}\n" for key, value in header.items() if value is not None]

@@ -12,7 +12,7 @@ from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.effective_settings import reconstructor_parts, resolve_settings
+from AIFReconLib.effective_settings import resolve_settings
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.holes.igsio_hole_filling import fill_holes_by_kind
@@ -38,48 +38,36 @@ def sweep(**values):
     return replace(tracked_sequence(), configuration=configuration(**values))
 
 
-def resolved(configured=None, has_bone=False, **settings):
-    return resolve_settings(ReconstructionSettings(**settings), configured, has_bone)
+LINEAR, NEAREST = {"interpolation": "linear"}, {"interpolation": "nearest"}
 
 
 @pytest.mark.parametrize(
-    ("configured", "settings", "expected"),
+    ("configured", "asked", "expected"),
     [
-        ({}, {}, "nearest"),
-        ({"interpolation": "linear"}, {}, "linear"),
-        ({"interpolation": "linear"}, {"interpolation": "nearest"}, "nearest"),
-        ({}, {"interpolation": "linear"}, "linear"),
-        ({"interpolation": "linear"}, {"method": "weighted"}, "nearest"),
-        ({"interpolation": "linear"}, {"method": "weighted", "interpolation": "linear"}, "linear"),
-        ({"interpolation": "linear"}, {"method": "average", "best_cosine": True}, "nearest"),
+        ({}, {}, NEAREST),
+        (LINEAR, {}, LINEAR),
+        (LINEAR, NEAREST, NEAREST),
+        ({}, LINEAR, LINEAR),
+        (LINEAR, {"method": "weighted"}, NEAREST),
+        (LINEAR, {"method": "weighted", **LINEAR}, LINEAR),
+        (LINEAR, {"method": "average", "best_cosine": True}, NEAREST),
+        ({"pixel_rejection": 12}, {}, {"pixel_rejection": 12}),
+        ({"pixel_rejection": 12}, {"pixel_rejection": 0}, {"pixel_rejection": 0}),
+        ({}, {"pixel_rejection": 7}, {"pixel_rejection": 7}),
     ],
 )
-def test_interpolation_is_the_callers_then_the_configurations(configured, settings, expected):
-    assert resolved(configuration(**configured), **settings).interpolation == expected
+def test_what_the_caller_asks_for_goes_before_what_is_configured(configured, asked, expected):
+    found = resolve_settings(ReconstructionSettings(**asked), configuration(**configured), False)
+    assert {name: getattr(found, name) for name in expected} == expected
 
 
-@pytest.mark.parametrize(("configured", "given", "expected"), [(None, None, None), (12, None, 12), (12, 0, 0), (None, 7, 7)])
-def test_pixel_rejection_is_the_callers_then_the_configurations(configured, given, expected):
-    assert resolved(configuration(pixel_rejection=configured), pixel_rejection=given).pixel_rejection == expected
-
-
-def test_an_interpolation_that_does_not_go_with_the_method_is_told():
-    asked = ReconstructionSettings()
-    configured = configuration(interpolation="linear")
-    (note,) = reconstructor_parts(asked, resolve_settings(asked, configured, True), configured).notes
-    assert "Interpolation=LINEAR is not used: it is for methods average, latest, maximum, and this is weighted." in note
-
-
-def test_the_box_of_the_configuration_is_the_grid():
-    grid = reconstruct(sweep(**BOX)).grid
-    assert grid.size == (20, 10, 15)
+@pytest.mark.parametrize(("spacing", "size"), [(None, (20, 10, 15)), (0.5, (39, 28, 57))])
+def test_the_box_of_the_configuration_is_the_grid_at_any_spacing_but_in_no_other_reference_frame(spacing, size):
+    grid = reconstruct(sweep(**BOX), ReconstructionSettings(spacing=spacing)).grid
+    assert grid.size == size
     np.testing.assert_allclose(grid.origin, (-10, -5, -20))
-    np.testing.assert_allclose(grid.spacing, (1.0, 1.5, 2.0))
-
-
-def test_a_spacing_of_the_caller_keeps_the_box():
-    grid = reconstruct(sweep(**BOX), ReconstructionSettings(spacing=0.5)).grid
-    assert grid.size == (39, 28, 57)
+    np.testing.assert_allclose(grid.spacing, spacing or (1.0, 1.5, 2.0))
+    assert reconstruct(sweep(**BOX), ReconstructionSettings(reference="Tracker", spacing=spacing)).grid.origin[2] < -800
 
 
 @pytest.mark.parametrize(("method", "moves"), [("average", True), ("maximum", True), ("weighted", False)])
@@ -102,25 +90,16 @@ def test_a_spacing_that_is_to_fit_ends_with_the_sweep():
     np.testing.assert_allclose(fitted.spacing[:2], (1, 1))
 
 
-def test_in_another_reference_frame_the_box_means_nothing():
-    sequence = sweep(**BOX)
-    assert reconstruct(sequence, ReconstructionSettings(reference="Tracker")).grid.origin[2] < -800
-
-
-def test_holes_are_filled_as_configured_and_not_where_the_caller_says_off():
-    sequence = sweep(holes=(HoleFilling("cube", 5),), spacing=(0.6,) * 3)
-    assert (reconstruct(sequence).mask.array == 2).sum() > 100
-    assert (reconstruct(sequence, ReconstructionSettings(holes="off")).mask.array == 2).sum() == 0
-
-
-def test_holes_are_filled_by_the_pixels_that_entered_where_that_is_asked_for():
-    way = HoleFilling("gaussian by hits", 5, 1.0)
-    sequence = sweep(holes=(way,), spacing=(0.8,) * 3)
+@pytest.mark.parametrize("way", [HoleFilling("cube", 5), HoleFilling("gaussian by hits", 5, 1.0)], ids=str)
+def test_holes_are_filled_as_configured_and_not_where_the_caller_says_off(way):
+    sequence = sweep(holes=(way,), spacing=(0.7,) * 3)
     unfilled, filled = (reconstruct(sequence, ReconstructionSettings(output_type="float32", holes=holes)) for holes in ("off", None))
     assert unfilled.hits.array.max() > 1
     values, mask = unfilled.intensity.array, unfilled.mask.array
-    fill_holes_by_kind(values, mask, (way,), score=unfilled.hits.array)
+    assert (mask == 2).sum() == 0
+    assert fill_holes_by_kind(values, mask, (way,), score=unfilled.hits.array) > 100
     np.testing.assert_array_equal(filled.intensity.array, values)
+    np.testing.assert_array_equal(filled.mask.array, mask)
 
 
 def test_a_configured_importance_mask_weights_the_average(tmp_path):
@@ -134,17 +113,14 @@ def test_a_configured_importance_mask_weights_the_average(tmp_path):
     assert (configured.intensity.array != plain.intensity.array).any()
 
 
-def test_an_importance_mask_of_the_configuration_gives_way_to_a_method_of_the_caller():
-    sequence = sweep(uses_importance_mask=True, method="average", spacing=(2.0,) * 3)
-    result = reconstruct(sequence, ReconstructionSettings(method="maximum"))
+def test_what_is_configured_and_does_not_go_with_the_method_is_told():
+    plus = {"uses_importance_mask": True, "method": "average", "spacing": (2.0,) * 3}
+    result = reconstruct(sweep(**plus), ReconstructionSettings(method="maximum"))
     assert "The configuration's importance mask is not used: it is for an average, and the method is maximum." in result.notes
-
-
-def test_bone_and_a_configuration_for_plus_go_together():
-    asks = {"interpolation": "linear", "uses_importance_mask": True, "method": "average", "probe": ProbeGeometry("linear")}
-    result = reconstruct(sweep(**asks, spacing=(2.0,) * 3), bone=sphere_bone())
+    result = reconstruct(sweep(**plus, **LINEAR, probe=ProbeGeometry("linear")), bone=sphere_bone())
     assert result.method == "weighted"
-    assert len(result.notes) >= 2
+    said = "Interpolation=LINEAR is not used: it is for methods average, latest, maximum, and this is weighted."
+    assert any(said in note for note in result.notes)
 
 
 # From the command line

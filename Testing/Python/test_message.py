@@ -21,10 +21,6 @@ CHAIN = "Say which one is right, as in {image_to_reference:{chain}}."
 OF_THE_TERMINAL = ("batch", "commands", "terminal")
 
 
-def test_a_sentence_is_the_text_alone():
-    assert Sentence("No probe is known.", "Give {probe}.") == "No probe is known."
-
-
 def test_each_door_says_the_remedy_in_its_own_words():
     error = SettingsError("got 0.", HOLES)
     assert (str(error), in_options(error), in_columns(error), message_of(error)) == (
@@ -33,70 +29,55 @@ def test_each_door_says_the_remedy_in_its_own_words():
         "got 0. Give hole_limit MM.",
         "got 0.",
     )
-
-
-@pytest.mark.parametrize(
-    ("advice", "python", "options"),
-    [
-        ("{probe:linear}", 'probe="linear"', "--probe linear"),
-        ("{clip_px:5 3 29.5 -2}", "clip_px=(5, 3, 29.5, -2)", "--clip-px 5 3 29.5 -2"),
-        ("{apex_px:COLUMN ROW}", "apex_px=(column, row)", "--apex-px COLUMN ROW"),
-        ('{columns:"time x"}', 'columns="time x"', '--columns "time x"'),
-        ("{bone_from_sweep}", "Recipe(bone_from_sweep=True)", "--bone-from-sweep"),
-        ("{grid_like}", "grid=", "--grid-like"),
-    ],
-)
-def test_a_setting_and_its_value_are_written_as_each_door_does(advice, python, options):
-    sentence = Sentence("", advice)
-    assert (advised(sentence), in_options(sentence)) == (python, options)
-
-
-def test_a_panel_writes_labels():
+    assert issubclass(SettingsError, (ValueError, AIFReconError))
+    sentence = Sentence("No probe is known.", "Give {probe:linear} or {method} of {these}.", these="x")
+    assert (sentence, sentence.settings) == ("No probe is known.", ("probe", "method"))
     labels = {"probe": "Probe"}
     spelled = [as_label(labels, *each) for each in (("probe", "linear"), ("probe", "NAME"), ("per_segment", ""))]
     assert spelled == ["“Probe” (linear)", "“Probe”", "per segment"]
+    assert [advised(each) for each in ("text", Sentence("text"), SettingsError("text"), ValueError("text"))] == ["text"] * 4
 
 
-def test_an_advice_names_its_settings():
-    assert Sentence("", "Give {probe:linear} or {method} of {these}.", these="x").settings == ("probe", "method")
+SPELLED = {
+    "{probe:linear}": ('probe="linear"', "--probe linear"),
+    "{clip_px:5 3 29.5 -2}": ("clip_px=(5, 3, 29.5, -2)", "--clip-px 5 3 29.5 -2"),
+    "{apex_px:COLUMN ROW}": ("apex_px=(column, row)", "--apex-px COLUMN ROW"),
+    '{columns:"time x"}': ('columns="time x"', '--columns "time x"'),
+    "{bone_from_sweep}": ("Recipe(bone_from_sweep=True)", "--bone-from-sweep"),
+    "{grid_like}": ("grid=", "--grid-like"),
+}
+
+
+def test_a_setting_and_its_value_are_written_as_each_door_does():
+    assert {text: (advised(Sentence("", text)), in_options(Sentence("", text))) for text in SPELLED} == SPELLED
+
+
+LATE = SettingsError("late.", HOLES)
 
 
 @pytest.mark.parametrize(
     ("said", "expected"),
     [
         (Sentence("Two.", CHAIN, chain="AToB"), "Two. Say which one is right, as in --image-to-reference AToB."),
+        (
+            pickle.loads(pickle.dumps(SettingsError("0.", CHAIN, chain="AToB"))),
+            "0. Say which one is right, as in --image-to-reference AToB.",
+        ),
         (SettingsError(Sentence("late.", HOLES)), "late. Give --hole-limit MM."),
         (SettingsError("{x}.mha: late.", HOLES), "{x}.mha: late. Give --hole-limit MM."),
+        (OutputError(f"a.mha: {message_of(LATE)}", LATE), "a.mha: late. Give --hole-limit MM."),
+        (OutputError(f"a.mha: {Sentence('late.', HOLES)}", Sentence("late.", HOLES)), "a.mha: late. Give --hole-limit MM."),
     ],
-    ids=["details", "an error of a sentence", "braces in a name"],
+    ids=["details", "through a pickle", "an error of a sentence", "braces in a name", "about an error", "about a sentence"],
 )
 def test_the_terminal_says_what_to_do(said, expected):
     assert in_options(said) == expected
-
-
-@pytest.mark.parametrize("inner", [SettingsError("late.", HOLES), Sentence("late.", HOLES)])
-def test_an_error_about_another_takes_its_remedy_over(inner):
-    outer = OutputError(f"a.mha: {message_of(inner) if isinstance(inner, Exception) else inner}", inner)
-    assert (str(outer), in_options(outer)) == ("a.mha: late. Give hole_limit=mm.", "a.mha: late. Give --hole-limit MM.")
-
-
-def test_what_names_no_remedy_is_said_as_it_is():
-    assert [advised(each) for each in ("text", Sentence("text"), SettingsError("text"), ValueError("text"))] == ["text"] * 4
 
 
 def test_what_a_file_holds_cannot_command_a_terminal_nor_fill_it():
     said_of_it = str(SettingsError(f"bad \x1b[2J\n{'x' * 10**6}", HOLES))
     assert re.fullmatch(r"bad \?\[2J\?x+\.\.\. Give hole_limit=mm\.", said_of_it)
     assert len(said_of_it) < LONGEST_SENTENCE + 100
-
-
-def test_an_error_comes_through_a_pickle_with_its_remedy():
-    error = pickle.loads(pickle.dumps(SettingsError("got 0.", CHAIN, chain="AToB")))
-    assert (type(error), in_options(error)[-26:]) == (SettingsError, "--image-to-reference AToB.")
-
-
-def test_the_kind_of_an_error_is_a_builtin_one_too():
-    assert issubclass(SettingsError, (ValueError, AIFReconError))
 
 
 # ---- the advice that the library gives
@@ -118,21 +99,9 @@ def advice_in(path: Path) -> set[str]:
 
 ADVICE = set().union(*map(advice_in, LIBRARY.rglob("*.py")))
 DETAILS = {
-    "choice",
-    "frame",
-    "frames",
-    "fits",
-    "first",
-    "unit",
-    "word",
-    "example",
-    "offset",
-    "methods",
-    "or_calibration",
-    "across",
-    "along",
-    "name",
-}
+    "choice", "frame", "frames", "fits", "first", "unit", "word", "example", "offset", "methods",
+    "or_calibration", "across", "along", "name",
+}  # fmt: skip
 """What is no setting in an advice."""
 
 

@@ -46,40 +46,32 @@ def test_a_clip_rectangle_that_is_the_whole_image_is_told_of_its_black_surround(
     assert "whole image of 40 x 30 pixels" in note
     assert "clip_px=(5, 3, 29, 23)" in advised(note)
     assert "--clip-px 5 3 29 23" in in_options(result.messages[result.notes.index(note)])
-
-
-def test_a_scan_conversion_of_another_depth_is_not_used_and_said():
-    sequence = calibrated(scan_region=ImageRegion(ClipRectangle((5, 3), (9, 9))), probe=ProbeGeometry("linear"), scan_pixel=(7.0, 7.0))
-    result = reconstruct(sequence, ReconstructionSettings(spacing=1.0))
-    assert "ScanConversion is not used: its pixels are 7.0000 x 7.0000 mm" in result.notes[0]
-    assert result.hits.array.sum() == 6 * 30 * 40
-    with pytest.raises(BeamGeometryError, match="ScanConversion is not used"):
-        reconstruct(sequence, ReconstructionSettings(spacing=1.0, method="aif"), sphere_bone())
-
-
-def test_the_configurations_method_is_used_without_bone():
     assert reconstruct(calibrated(method="maximum", spacing=(2.0,) * 3), WHOLE).method == "maximum"
 
 
-def test_the_black_surround_is_left_out_where_nobody_says_what_is_ultrasound():
-    result = reconstruct(calibrated(tracked_sequence(images=rectangle_images())), ReconstructionSettings(spacing=1.0))
-    assert result.hits.array.sum() == pytest.approx(6 * 30 * 24, rel=0.1)
-    assert "Recognized in the images: a linear probe" in result.notes[0]
+PART = ImageRegion(ClipRectangle((5, 3), (9, 9)))
 
 
-def test_a_region_of_the_configuration_is_not_second_guessed():
-    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=ImageRegion(ClipRectangle((0, 0), (38, 28))))
-    assert reconstruct(sequence, ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 29 * 39
+@pytest.mark.parametrize(
+    ("images", "configuration", "pixels", "said"),
+    [
+        (None, {"scan_region": PART}, 100, ""),
+        (None, {"scan_region": PART, "probe": ProbeGeometry("linear"), "scan_pixel": (7.0, 7.0)}, 30 * 40, "ScanConversion is not used"),
+        (rectangle_images(), {"region": ImageRegion(ClipRectangle((0, 0), (38, 28)))}, 29 * 39, ""),
+        (rectangle_images(), {}, 24 * 30, "Recognized in the images: a linear probe"),
+    ],
+)
+def test_what_is_ultrasound_the_configuration_says_else_the_images(images, configuration, pixels, said):
+    result = reconstruct(calibrated(tracked_sequence(images=images), **configuration), ReconstructionSettings(spacing=1.0))
+    assert result.hits.array.sum() == pytest.approx(6 * pixels, rel=0.1 if "Recognized" in said else 0)
+    assert any(said in note for note in result.notes)
 
 
-def test_the_region_of_a_scan_conversion_is_used_where_there_is_no_other():
-    sequence = calibrated(scan_region=ImageRegion(ClipRectangle((5, 3), (9, 9))))
-    assert reconstruct(sequence, ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 100
-
-
-def test_images_that_tell_nothing_are_an_error_when_beams_are_needed():
-    with pytest.raises(BeamGeometryError, match='probe="linear"'):
-        reconstruct(calibrated(), ReconstructionSettings(method="aif", spacing=1.0), sphere_bone())
+@pytest.mark.parametrize(("scan", "said"), [({"scan_pixel": (7.0, 7.0)}, "ScanConversion is not used"), ({}, 'probe="linear"')])
+def test_images_and_configurations_that_tell_no_beams_are_an_error_when_they_are_needed(scan, said):
+    told = {"scan_region": PART, "probe": ProbeGeometry("linear"), **scan} if scan else {}
+    with pytest.raises(BeamGeometryError, match=said):
+        reconstruct(calibrated(**told), ReconstructionSettings(spacing=1.0, method="aif"), sphere_bone())
 
 
 def test_frames_enter_in_order_of_time():
@@ -95,19 +87,15 @@ def test_skipping_past_every_tracked_frame_is_an_error():
         reconstruct(calibrated(tracked_sequence(statuses=lost)), ReconstructionSettings(skip=3, spacing=1.0, clip_px=WHOLE.clip_px))
 
 
-def test_canceling_stops_with_operation_canceled():
-    with pytest.raises(OperationCanceled):
-        reconstruct(calibrated(region=FULL), ReconstructionSettings(spacing=2.0), progress=lambda fraction, message: fraction < 0.5)
-
-
-def test_progress_rises_from_0_to_1():
+def test_progress_rises_from_0_to_1_and_cancels():
     seen = []
     settings = ReconstructionSettings(method="aif", spacing=1.0, hole_limit=2.0)
     sequence = calibrated(region=FULL, probe=ProbeGeometry("linear"))
     reconstruct(sequence, settings, sphere_bone(), progress=lambda fraction, message: seen.append(fraction) or True)
-    assert seen[0] == 0.0
-    assert seen[-1] == 1.0
+    assert (seen[0], seen[-1]) == (0.0, 1.0)
     assert seen == sorted(seen)
+    with pytest.raises(OperationCanceled):
+        reconstruct(sequence, settings, sphere_bone(), progress=lambda fraction, message: fraction < 0.5)
 
 
 def test_a_file_cut_short_behind_the_last_tracked_frame_is_noticed(tmp_path):

@@ -67,46 +67,49 @@ def assert_same(ours, theirs):
     assert (ours.hole_limit, ours.skipped, ours.frames_inserted) == (theirs.hole_limit, theirs.skipped, theirs.frames_inserted)
 
 
+ASKED = {
+    **{method: {"method": method, "best_cosine": True} for method in METHODS},
+    "shares of every second frame": {"method": "average", "interpolation": "linear", "skip": 2},
+}
+
+
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize(
-    "asked",
-    [*({"method": method, "best_cosine": True} for method in METHODS), {"method": "average", "interpolation": "linear", "skip": 2}],
-    ids=[*METHODS, "shares of every second frame"],
-)
+@pytest.mark.parametrize("asked", ASKED.values(), ids=ASKED)
 def test_several_sweeps_are_the_concatenated_one_to_the_last_bit(asked, engine):
     settings = ReconstructionSettings(engine=engine, output_type="float32", **asked)
     bone = sphere_bone()
     assert_same(reconstruct(three(), settings, bone), reconstruct(concatenated(three()), settings, bone))
-
-
-def test_what_is_recognized_in_the_images_is_recognized_in_all():
+    # What is recognized in the images is recognized in all
     bare = replace(CONFIGURED, region=ImageRegion(), probe=None)
-    images = np.zeros((6, 30, 40), np.uint8)
-    images[:, 3:27, 5:35] = 90
+    images = np.pad(np.full((6, 24, 30), 90, np.uint8), ((0, 0), (3, 3), (5, 5)))
     sweeps = [sweep(seed, configuration=bare, images=images) for seed in (1, 2)]
     assert_same(reconstruct(sweeps), reconstruct(replace(concatenated(sweeps), configuration=bare)))
 
 
-def test_the_order_in_which_they_are_given_counts_where_order_counts():
-    settings = ReconstructionSettings(method="latest")
+def moved(sequence, tool, by) -> TrackedSequence:
+    """With a tool held otherwise."""
+    key = TransformName(tool, "Tracker")
+    held = [
+        replace(record, transforms={**record.transforms, key: TransformSample(record.transforms[key].matrix @ by)})
+        for record in sequence.records
+    ]
+    return replace(sequence, records=held)
+
+
+def test_each_is_placed_by_its_own_configuration_and_the_first_says_how_the_volume_is_made():
+    """A second probe, calibrated otherwise and held so that its images lie where the first one's do, gives the same voxels."""
+    turn = rigid((10.0, 20.0, 30.0), (5.0, -4.0, 3.0))
+    calibration = {TransformName("Image", "Probe"): TransformSample(turn @ IMAGE_TO_PROBE)}
     first, second = sweep(1), sweep(2)
+    other = replace(CONFIGURED, transforms=calibration, spacing=(2.0, 2.0, 2.0))
+    held = replace(moved(second, "Probe", np.linalg.inv(turn)), configuration=other)
+    poses, expected = (sweep_poses(joined([first, each])).image_to_reference for each in (held, second))
+    np.testing.assert_allclose(poses, expected, atol=1e-9)
+    settings = ReconstructionSettings(method="latest")
     there, back = reconstruct([first, second], settings), reconstruct([second, first], settings)
     assert (there.intensity.array != back.intensity.array).any()
     np.testing.assert_array_equal(there.hits.array, back.hits.array)
-
-
-def test_each_is_placed_by_its_own_configuration():
-    """A second probe, calibrated otherwise and held so that its images lie where the first one's do, gives the same voxels."""
-    turn = rigid((10.0, 20.0, 30.0), (5.0, -4.0, 3.0))
-    other = replace(CONFIGURED, transforms={TransformName("Image", "Probe"): TransformSample(turn @ IMAGE_TO_PROBE)})
-    first, second = sweep(1), sweep(2)
-    name = TransformName("Probe", "Tracker")
-    held = [
-        replace(record, transforms={**record.transforms, name: TransformSample(record.transforms[name].matrix @ np.linalg.inv(turn))})
-        for record in second.records
-    ]
-    poses = sweep_poses(joined([first, replace(second, records=held, configuration=other)])).image_to_reference
-    np.testing.assert_allclose(poses, sweep_poses(joined([first, second])).image_to_reference, atol=1e-9)
+    assert reconstruct([first, held]).grid.spacing == pytest.approx((0.9, 1.1, 1.3))
 
 
 def test_the_report_counts_each_with_its_own_frame_numbers():
@@ -121,45 +124,38 @@ def test_the_report_counts_each_with_its_own_frame_numbers():
 # ---- what cannot be joined
 
 
-def test_references_of_other_names_are_refused_with_both_names():
-    second = sweep(2, "b.mha", configuration=replace(CONFIGURED, reference_frame="Tracker"))
-    with pytest.raises(GeometryError, match=r"a\.mha would be placed in Reference, and b\.mha in Tracker"):
-        reconstruct([sweep(1, "a.mha"), second])
+SMALL = ImageRegion(ClipRectangle((5, 5), (20, 20)))
+FAR_AWAY = moved(sweep(2, "b.mha"), "Reference", rigid(translation=(0.0, 3000.0, 0.0)))
+UNLIKE = {
+    "another reference": (
+        sweep(2, "b.mha", configuration=replace(CONFIGURED, reference_frame="Tracker")),
+        GeometryError,
+        "a.mha would be placed in Reference, and b.mha in Tracker",
+    ),
+    "far away": (FAR_AWAY, GeometryError, r"a.mha and b.mha lie (29|30)\d\d mm apart, so they are not in one Reference"),
+    "another size": (
+        sweep(2, "b.mha", images=np.ones((6, 20, 40), np.uint8)),
+        GeometryError,
+        "a.mha and b.mha cannot enter one volume: images of 40 x 30 pixels, uint8 and of 40 x 20",
+    ),
+    "other parts": (
+        sweep(2, "b.mha", configuration=replace(CONFIGURED, region=SMALL)),
+        BeamGeometryError,
+        "a.mha and b.mha name different parts",
+    ),
+}
 
 
-def far_away(name) -> TrackedSequence:
-    """A sweep of which the reference marker was put elsewhere."""
-    moved = sweep(2, name)
-    key = TransformName("Reference", "Tracker")
-    marker = moved.records[0].transforms[key].matrix @ rigid(translation=(0.0, 3000.0, 0.0))
-    records = [replace(record, transforms={**record.transforms, key: TransformSample(marker)}) for record in moved.records]
-    return replace(moved, records=records)
-
-
-@pytest.mark.parametrize("use", [reconstruct, sweep_echoes], ids=lambda use: use.__name__)
-def test_sweeps_that_no_patient_spans_are_refused_with_both_names(use):
-    with pytest.raises(GeometryError, match=r"a\.mha and b\.mha lie (29|30)\d\d mm apart, so they are not in one Reference"):
-        use([sweep(1, "a.mha"), far_away("b.mha")])
-
-
-def test_images_of_another_size_are_refused_with_both_names():
-    small = sweep(2, "b.mha", images=np.ones((6, 20, 40), np.uint8))
-    with pytest.raises(GeometryError, match=r"a\.mha and b\.mha cannot enter one volume: images of 40 x 30 pixels, uint8 and of 40 x 20"):
-        reconstruct([sweep(1, "a.mha"), small])
-
-
-def test_configurations_that_show_other_parts_of_the_image_are_refused_unless_one_is_named():
-    region = ImageRegion(ClipRectangle((5, 5), (20, 20)))
-    sweeps = [sweep(1, "a.mha"), sweep(2, "b.mha", configuration=replace(CONFIGURED, region=region))]
-    with pytest.raises(BeamGeometryError, match=r"a\.mha and b\.mha name different parts"):
+@pytest.mark.parametrize(("second", "error", "words"), UNLIKE.values(), ids=UNLIKE)
+def test_what_cannot_be_joined_is_refused_with_both_names(second, error, words):
+    sweeps = [sweep(1, "a.mha"), second]
+    with pytest.raises(error, match=words):
         reconstruct(sweeps)
-    assert reconstruct(sweeps, Recipe(**imaging_fields(region))).frames_inserted == 12
-
-
-def test_of_two_configurations_the_first_says_how_the_volume_is_made():
-    second = sweep(2, "b.mha", configuration=replace(CONFIGURED, spacing=(2.0, 2.0, 2.0)))
-    result = reconstruct([sweep(1, "a.mha"), second])
-    assert result.grid.spacing == pytest.approx((0.9, 1.1, 1.3))
+    if second is FAR_AWAY:
+        with pytest.raises(error, match=words):
+            sweep_echoes(sweeps)
+    if error is BeamGeometryError:
+        assert reconstruct(sweeps, Recipe(**imaging_fields(SMALL))).frames_inserted == 12
 
 
 # ---- from the command line

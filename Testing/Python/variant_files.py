@@ -6,10 +6,9 @@ Reader and writer of the library cannot share a mistake with them.
 from __future__ import annotations
 
 import gzip
-import zlib
-from dataclasses import dataclass, field
 
 import numpy as np
+from sequence_samples import metaimage, nrrd
 from sweeps import rigid
 
 from AIFReconLib.sweep.poses import sweep_poses
@@ -21,7 +20,6 @@ LANDMARKS = ((2, 1), (5, 3), (4, 0))
 """Column and row of the bright pixel of each frame, in MF orientation."""
 
 
-FLAT = f"{COLUMNS} {ROWS} {FRAMES}"
 DEEP = f"{COLUMNS} {ROWS} 1 {FRAMES}"
 IMAGE_TO_PROBE = rigid((3.0, -8.0, 15.0), (4.0, 5.0, 6.0)) @ np.diag([0.25, 0.5, 0.3, 1.0])
 
@@ -37,22 +35,16 @@ EXPECTED = np.array(
 )
 
 
-TYPES = {"u1": "MET_UCHAR", "i2": "MET_SHORT", "u2": "MET_USHORT", "f4": "MET_FLOAT", "f8": "MET_DOUBLE"}
-
-
-NRRD_TYPES = {"u1": "unsigned char", "i2": "short", "u2": "ushort", "f4": "float", "f8": "double"}
-
-
 def numbers(matrix) -> str:
     return " ".join(repr(float(value)) for value in np.asarray(matrix).ravel())
 
 
-def pictures(dtype: str = "u1", flips: str = "MF") -> np.ndarray:
+def pictures(dtype: str = "u1", flips: str = "MF", color: bool = False) -> np.ndarray:
     """Black frames with one bright pixel, as a file of this orientation stores them."""
     stack = np.zeros((FRAMES, ROWS, COLUMNS), dtype)
     for n, (column, row) in enumerate(LANDMARKS):
         stack[n, row if flips[1] == "F" else ROWS - 1 - row, column if flips[0] == "M" else COLUMNS - 1 - column] = 100
-    return stack
+    return np.repeat(stack[..., None], 3, axis=3) if color else stack
 
 
 def poses(prefix="Seq_Frame{n:04d}_", probe="ProbeToTracker", with_calibration=True, times=True) -> dict[str, str]:
@@ -72,56 +64,6 @@ def poses(prefix="Seq_Frame{n:04d}_", probe="ProbeToTracker", with_calibration=T
     return fields
 
 
-@dataclass
-class Variant:
-    """One file: its header lines in order, its pixels, and how they are stored."""
-
-    pixels: np.ndarray = field(default_factory=pictures)
-    fields: dict[str, str] = field(default_factory=poses)
-    compressed: bool = False
-    changes: dict[str, str | None] = field(default_factory=dict)
-
-    def write_mha(self, path):
-        payload = zlib.compress(self.pixels.tobytes()) if self.compressed else self.pixels.tobytes()
-        header = {
-            "ObjectType": "Image",
-            "NDims": "3",
-            "AnatomicalOrientation": "RAI",
-            "BinaryData": "True",
-            "BinaryDataByteOrderMSB": "True" if self.pixels.dtype.str[0] == ">" else "False",
-            "CompressedData": "True" if self.compressed else "False",
-            "CompressedDataSize": str(len(payload)) + "      " if self.compressed else None,
-            "DimSize": f"{COLUMNS} {ROWS} {FRAMES}",
-            "ElementSpacing": "0.1 7 1",  # Plus does not use it, and neither may anyone else
-            "Offset": "5 5 5",
-            "Kinds": "domain domain list",
-            "ElementType": TYPES[self.pixels.dtype.str[1:]],
-            "UltrasoundImageOrientation": "MFA",
-            "UltrasoundImageType": "BRIGHTNESS",
-            **self.changes,
-            **self.fields,
-        }
-        lines = [f"{key} = {value}\n" for key, value in header.items() if value is not None] + ["ElementDataFile = LOCAL\n"]
-        path.write_bytes("".join(lines).encode() + payload)
-        return path
-
-    def write_nrrd(self, path):
-        payload = gzip.compress(self.pixels.tobytes()) if self.compressed else self.pixels.tobytes()
-        header = {
-            "type": NRRD_TYPES[self.pixels.dtype.str[1:]],
-            "dimension": "3",
-            "sizes": f"{COLUMNS} {ROWS} {FRAMES}",
-            "kinds": "domain domain list",
-            "encoding": "gzip" if self.compressed else "raw",
-            "endian": "big" if self.pixels.dtype.str[0] == ">" else "little",
-            **self.changes,
-        }
-        lines = [f"{key}: {value}\n" for key, value in header.items() if value is not None]
-        pairs = [f"{key}:={value}\n" for key, value in self.fields.items()]
-        path.write_bytes(("NRRD0004\n# from a test\n" + "".join(lines + pairs) + "\n").encode() + payload)
-        return path
-
-
 def landmarks_mm(sequence) -> np.ndarray:
     """Where the brightest pixel of each frame lies in Reference, (frames, 3)."""
     placed = sweep_poses(sequence).image_to_reference
@@ -135,12 +77,13 @@ def header_transforms() -> dict[str, str]:
     return {"ImageToProbeTransform": numbers(IMAGE_TO_PROBE), "ReferenceToTrackerTransform": numbers(REFERENCE_TO_TRACKER), **fields}
 
 
-def rgb() -> np.ndarray:
-    return np.repeat(pictures()[..., None], 3, axis=3)
-
-
-def time_last(kinds: str | None, size: str, dimensions: str) -> dict[str, str | None]:
-    return {"Kinds": kinds, "DimSize": size, "NDims": dimensions}
+def recorded(path, pixels=None, fields=None, **changes):
+    """A sequence file as Plus writes it, by its suffix; its `pixels` and `fields` are the usual ones unless they are given."""
+    pixels, fields = pictures() if pixels is None else pixels, poses() if fields is None else fields
+    if path.suffix == ".nrrd":
+        return nrrd(path, pixels, fields, **changes)
+    # Plus does not use that spacing, and neither may anyone else
+    return metaimage(path, pixels, fields, **{"ElementSpacing": "0.1 7 1", "Offset": "5 5 5", "AnatomicalOrientation": "RAI", **changes})
 
 
 IMAGE_TO_REFERENCE = [np.linalg.inv(REFERENCE_TO_TRACKER) @ pose @ IMAGE_TO_PROBE for pose in PROBE_TO_TRACKER]
@@ -148,7 +91,7 @@ IMAGE_TO_REFERENCE = [np.linalg.inv(REFERENCE_TO_TRACKER) @ pose @ IMAGE_TO_PROB
 
 def slicer_images(path, *, interleaved=False, color=False, compressed=True, times="10 10.1 10.2", unit="s", matrix=None, **attributes):
     """A volume sequence as Slicer's Sequences module writes it; interleaved as it did before 2022."""
-    pixels = rgb() if color else pictures()
+    pixels = pictures(color=color)
     if interleaved:
         pixels = np.moveaxis(pixels, 0, 2)  # (rows, columns, frames[, channels])
     ijk_to_ras = np.eye(4) if matrix is None else matrix

@@ -111,13 +111,6 @@ def note(text: str) -> None:
     logging.getLogger("AIFReconLib.noted").warning("%s is noted", text)
 
 
-def limit_memory(size: int) -> None:
-    """No file is longer than so many bytes from now on, not one in memory either."""
-    import resource
-
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
-
-
 class Counter:
     """What is kept in the worker. Its end takes time, and is noted in a file."""
 

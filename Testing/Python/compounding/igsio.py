@@ -125,48 +125,29 @@ class Arithmetic:
         return np.floor(x / self.one + (0.5 + FLOOR_TOLERANCE)) if self.stores_whole_numbers else x / self.one
 
 
-def paste_linear(images, poses, grid, mask, method, arithmetic, importance=None):
+def paste_linear(images, poses, grid, mask, method, arithmetic):
     """Reconstruct with trilinear splatting; returns gray levels, and for means what IGSIO's accumulation buffer holds, [k, j, i].
 
-    `method` latest, maximum, mean or importance (which weights the mean by an `importance` image of 0 to 255).
+    `method` latest, maximum or mean.
     """
     rows, columns = np.nonzero(mask)
     size = np.array(grid.size)
     value, accumulated = np.zeros((2, grid.voxels))
-    weights = np.full(rows.size, 256) if importance is None else importance[rows, columns].astype(np.int64)
     for image, pose in zip(images, poses, strict=True):
         matrix = arithmetic.number(grid.reference_to_ijk @ pose)
         parts = [arithmetic.split(matrix[a, 0] * columns + matrix[a, 1] * rows + matrix[a, 3]) for a in range(3)]
         low, remainder = (np.stack(part) for part in zip(*parts, strict=True))
-        inside = ((low >= 0) & (low + (remainder != 0) < size[:, None])).all(axis=0) & (weights > 0)
+        inside = ((low >= 0) & (low + (remainder != 0) < size[:, None])).all(axis=0)
         low, remainder = low[:, inside], remainder[:, inside]
         flat, shares = _corners(low, remainder, size, arithmetic)
-        chosen = np.nonzero(shares >= arithmetic.one / 8 if method in ("latest", "maximum") else shares)
-        pixels, weight = image[rows, columns][inside].astype(np.int64)[chosen[0]], weights[inside][chosen[0]]
+        chosen = np.nonzero(shares if method == "mean" else shares >= arithmetic.one / 8)
+        pixels = image[rows, columns][inside].astype(np.int64)[chosen[0]]
         if method == "latest":
             value[flat[chosen]] = pixels
         elif method == "maximum":
             np.maximum.at(value, flat[chosen], pixels)
         else:
-            _in_turn(value, accumulated, flat[chosen], (pixels, shares[chosen], weight), method, arithmetic)
-    return value.reshape(grid.shape), accumulated.reshape(grid.shape)
-
-
-def paste_weighted(images, poses, grid, mask, arithmetic, importance):
-    """The mean weighted by an `importance` image of 0 to 255, each pixel in its nearest voxel; Optimization NONE.
-
-    (FULL and PARTIAL end a row of pixels at the first one without weight.)
-    """
-    rows, columns = np.nonzero(mask & (importance > 0))
-    ni, nj, nk = grid.size
-    value, accumulated = np.zeros((2, grid.voxels))
-    weights = importance[rows, columns].astype(np.int64)
-    for image, pose in zip(images, poses, strict=True):
-        i, j, k = double_index(grid.reference_to_ijk @ pose, columns, rows)
-        inside = (i >= 0) & (i < ni) & (j >= 0) & (j < nj) & (k >= 0) & (k < nk)
-        pixels = image[rows, columns][inside].astype(np.int64)
-        flat = ((k * nj + j) * ni + i)[inside]
-        _in_turn(value, accumulated, flat, (pixels, np.ones(flat.size), weights[inside]), "nearest", arithmetic)
+            _in_turn(value, accumulated, flat[chosen], pixels, shares[chosen], arithmetic)
     return value.reshape(grid.shape), accumulated.reshape(grid.shape)
 
 
@@ -181,8 +162,8 @@ def _corners(low, remainder, size, arithmetic):
     return np.stack(flat, axis=1), np.stack(shares, axis=1)
 
 
-def _in_turn(value, accumulated, flat, contributions, method, arithmetic):
-    """Contributions enter their voxels in their order: at each turn, the next one of every voxel."""
+def _in_turn(value, accumulated, flat, pixels, shares, arithmetic):
+    """Pixels enter their voxels in their order: at each turn, the next one of every voxel."""
     order = np.argsort(flat, kind="stable")
     flat = flat[order]
     first = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
@@ -190,31 +171,8 @@ def _in_turn(value, accumulated, flat, contributions, method, arithmetic):
     for turn in range(int(counts.max(initial=0))):
         now = order[first[counts > turn] + turn]
         at = flat[first[counts > turn]]
-        _enter(value, accumulated, at, *(part[now] for part in contributions), method, arithmetic)
-
-
-def _enter(value, accumulated, at, pixel, share, weight, method, arithmetic):
-    """One pixel enters each voxel of `at`."""
-    one = arithmetic.one
-    before = accumulated[at] * one
-    if method == "nearest":
-        total = before + weight
-        new = (pixel * weight + value[at] * before) / total
-        if arithmetic.stores_whole_numbers:
-            full = before > 65535 - 256
-            new = np.floor(np.where(full, (pixel + 255 * value[at]) / 256, new))
-            total = np.where(full, before, np.minimum(total, 65535))
-        value[at], accumulated[at] = new, total
-        return
-    if method == "mean":
-        total = share + before / 256
-        new = arithmetic.over(share * pixel + before / 256 * value[at], total)
-        total = total * 256
-    else:
-        total = weight * share + before
-        if one > 1:
-            new = arithmetic.over(pixel * weight * share, total) + arithmetic.over(before, total) * value[at]
-        else:
-            new = (pixel * weight * share + value[at] * before) / total
-    value[at] = arithmetic.rounded(new)
-    accumulated[at] = np.minimum(arithmetic.rounded(total), 65535) if arithmetic.stores_whole_numbers else total / one
+        before = accumulated[at] * arithmetic.one / 256
+        total = shares[now] + before
+        value[at] = arithmetic.rounded(arithmetic.over(shares[now] * pixels[now] + before * value[at], total))
+        total = 256 * total
+        accumulated[at] = np.minimum(arithmetic.rounded(total), 65535) if arithmetic.stores_whole_numbers else total / arithmetic.one

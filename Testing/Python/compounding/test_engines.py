@@ -78,75 +78,75 @@ def shadowed_frames(count=4, columns=34):
     return frames
 
 
-@needs_numba
-@pytest.mark.parametrize("probe", PROBES)
-@pytest.mark.parametrize("columns", [1, 2, 3, 16, 34])
-def test_shadows_of_bone_are_weighted_alike_however_many_scan_lines_there_are(probe, columns):
-    frames = shadowed_frames(columns=columns) if columns > 2 else [replace(f, image=f.image[:, :columns].copy()) for f in shadowed_frames()]
-    plain = state_after("numpy", "weighted", frames, turned_grid(), probe=probe)
-    assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=probe, threads=2), plain)
+def narrow(columns):
+    """Of so many scan lines."""
+    return [replace(frame, image=frame.image[:, :columns].copy()) for frame in shadowed_frames(columns=max(columns, 3))]
 
 
-@needs_numba
-def test_evidence_that_is_kept_for_some_frames_serves_all_of_a_longer_sweep():
-    frames = shadowed_frames(count=13)
-    plain = state_after("numpy", "weighted", frames, turned_grid(), probe=PROBES[1])
-    assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=PROBES[1], threads=2), plain)
-
-
-@needs_numba
-def test_evidence_follows_a_pixel_spacing_that_changes_within_the_sweep():
+def changing():
+    """The size of a pixel changes amid the sweep."""
     frames = shadowed_frames(count=6)
-    frames[3:] = [replace(f, image_to_reference=f.image_to_reference @ np.diag([1.3, 1.6, 1.0, 1.0])) for f in frames[3:]]
-    plain = state_after("numpy", "weighted", frames, turned_grid(), probe=PROBES[0])
-    assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=PROBES[0], threads=2), plain)
+    return frames[:3] + [replace(f, image_to_reference=f.image_to_reference @ np.diag([1.3, 1.6, 1.0, 1.0])) for f in frames[3:]]
 
 
-@needs_numba
-@pytest.mark.parametrize("tilt", [-1e-17, 1e-17, 2e-17])
-def test_rows_that_rounding_alone_takes_out_of_the_volume_leave_it_at_the_same_pixel(tilt):
-    frames = oblique_frames(count=3)
-    for frame, height in zip(frames, (np.nextafter(2.5, 0), 2.5, np.nextafter(2.5, 3)), strict=True):
-        frame.image_to_reference[:] = np.diag([0.5, 0.5, 0.5, 1.0])
-        frame.image_to_reference[2, [0, 3]] = tilt, height
-    grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (20, 20, 3), 1.0)
-    plain = state_after("numpy", "average", frames, grid)
-    assert 0 < plain[2].sum() < 3 * frames[0].image.size
-    assert_same(state_after("numba", "average", frames, grid, threads=2), plain)
+def along_the_grid(frames, spacing, *places):
+    """Frames placed without a turn."""
+    for number, frame in enumerate(frames):
+        frame.image_to_reference[:3, :3] = np.diag(spacing)
+        frame.image_to_reference[:3, 3] = places[number % len(places)]
+    return frames
 
 
-@needs_numba
-@pytest.mark.parametrize("turn", [0.0, 20.0], ids=["along the grid", "turned"])
-@pytest.mark.parametrize("method", ["aif-compensated", "weighted"])
-def test_large_images_are_taken_in_parts_alike(method, turn):
-    frames = oblique_frames(count=3, shape=(150, 300), spacing=(0.1, 0.1))
+def large():
+    frames = along_the_grid(oblique_frames(count=3, shape=(150, 300)), (0.1,) * 3, *((-15.0, -7.5, 0.4 * n) for n in range(3)))
     for frame in frames:
         frame.image[:] //= 2
         frame.image[90:] = 0
-        frame.image_to_reference[:3, :3] = np.diag([0.1, 0.1, 0.1])
-        frame.image_to_reference[:3, 3] = -15.0, -7.5, 0.4 * frame.number
-    grid = turned_grid((0.31, 0.29, 0.4), (60, 40, 30), (turn, -turn, turn))
-    assert_same(state_after("numba", method, frames, grid, threads=2), state_after("numpy", method, frames, grid))
+    return frames
 
 
-@needs_numba
-@pytest.mark.parametrize("method", METHODS)
-def test_pixels_that_lie_exactly_between_voxels_go_the_same_way(method):
-    frames = oblique_frames(count=3, spacing=(0.25, 0.5))
-    for frame in frames:
-        frame.image_to_reference[:3, :3] = np.diag([0.25, 0.5, 0.4])
-        frame.image_to_reference[:3, 3] = -4.0, -6.5, 0.5
-    grid = turned_grid((0.5, 0.5, 0.5), (20, 20, 3), (0.0, 0.0, 0.0))
-    assert_same(state_after("numba", method, frames, grid, threads=2), state_after("numpy", method, frames, grid))
-
-
-@needs_numba
-@pytest.mark.parametrize("method", METHODS)
-def test_pixels_that_are_not_finite_are_left_out_by_both(method):
+def not_finite():
     frames = oblique_frames(count=4, dtype=np.float32)
     frames[1].image[::3, 1::2] = np.nan
     frames[2].image[5] = np.inf
-    assert_same(state_after("numba", method, frames, turned_grid()), state_after("numpy", method, frames, turned_grid()))
+    return frames
+
+
+def tilted(tilt):
+    """Rows that rounding alone takes out of the volume."""
+    heights = np.nextafter(2.5, 0), 2.5, np.nextafter(2.5, 3)
+    frames = along_the_grid(oblique_frames(count=3), (0.5,) * 3, *((0.0, 0.0, height) for height in heights))
+    for frame in frames:
+        frame.image_to_reference[2, 0] = tilt
+    return frames
+
+
+BETWEEN = along_the_grid(oblique_frames(count=3, spacing=(0.25, 0.5)), (0.25, 0.5, 0.4), (-4.0, -6.5, 0.0))
+ALIKE = {
+    **{f"{columns} scan lines": (narrow(columns), turned_grid(), ["weighted"]) for columns in (1, 2, 3, 16, 34)},
+    "more frames than evidence is kept for": (shadowed_frames(count=13), turned_grid(), ["weighted"]),
+    "a size of a pixel that changes": (changing(), turned_grid(), ["weighted"]),
+    **{
+        f"large images, turned by {turn}": (large(), turned_grid((0.31, 0.29, 0.4), (60, 40, 30), (turn, -turn, turn)), METHODS[-2:])
+        for turn in (0.0, 20.0)
+    },
+    "pixels exactly between voxels": (BETWEEN, turned_grid((0.5,) * 3, (20, 20, 3), (0.0, 0.0, 0.0)), METHODS),
+    "pixels that are not finite": (not_finite(), turned_grid(), METHODS),
+    **{
+        f"rows tilted by {tilt}": (tilted(tilt), VoxelGrid.from_spacing((0.0, 0.0, 0.0), (20, 20, 3), 1.0), ["average"])
+        for tilt in (-1e-17, 1e-17, 2e-17)
+    },
+}
+
+
+@needs_numba
+@pytest.mark.parametrize("probe", PROBES, ids=["sector", "linear"])
+@pytest.mark.parametrize(("frames", "grid", "methods"), ALIKE.values(), ids=ALIKE)
+def test_engines_agree_on_what_is_hard(frames, grid, methods, probe):
+    for method in methods:
+        plain = state_after("numpy", method, frames, grid, probe=probe)
+        assert plain[2].any()
+        assert_same(state_after("numba", method, frames, grid, probe=probe, threads=2), plain)
 
 
 @needs_numba
@@ -187,13 +187,9 @@ def test_an_image_may_change_once_the_next_frame_was_asked_for():
     np.testing.assert_array_equal(reconstructor.finish().intensity.array, straight)
 
 
-def test_without_numba_auto_is_numpy_and_says_nothing(monkeypatch):
+def test_without_numba_auto_is_numpy_and_asking_for_it_says_how_to_install_it(monkeypatch):
     monkeypatch.setattr(engines, "find_spec", lambda name: None)
     assert engines.choose_engine("auto") == (engines.NumpyEngine, None)
-
-
-def test_without_numba_asking_for_it_says_how_to_install_it(monkeypatch):
-    monkeypatch.setattr(engines, "find_spec", lambda name: None)
     with pytest.raises(SettingsError, match=r"pip install 'numba>="):
         Reconstructor(turned_grid(), ReconstructionSettings(engine="numba"))
 
@@ -208,14 +204,11 @@ def broken_numba(monkeypatch):
     monkeypatch.setitem(sys.modules, "AIFReconLib.machine.numba_compile", None)
 
 
-def test_a_broken_numba_gives_the_same_volume_and_a_note(broken_numba):
+def test_a_broken_numba_gives_the_same_volume_and_a_note_and_asking_for_it_an_error(broken_numba):
     reconstructor = Reconstructor(turned_grid(), ReconstructionSettings())
     reconstructor.insert(oblique_frames(count=1))
     assert reconstructor.engine == "numpy"
     assert "numba is installed but does not work" in reconstructor.finish().notes[0]
-
-
-def test_asking_for_a_broken_numba_is_an_error_with_the_reason(broken_numba):
     with pytest.raises(SettingsError, match=r"does not work .*Reinstall"):
         engines.choose_engine("numba")
 

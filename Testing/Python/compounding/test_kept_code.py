@@ -79,3 +79,13 @@ def test_after_a_job_that_was_killed_while_it_compiled_the_next_is_whole(tmp_pat
     job.communicate()
     assert job.returncode < 0  # it was at work
     assert told_by_job(tmp_path, "uint8")[:3] == told[:3]
+
+
+def test_a_disk_that_is_full_costs_time_and_nothing_else(monkeypatch):
+    from AIFReconLib.machine.numba_compile import compiled
+
+    def fail(*_, **_options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", fail)
+    assert compiled(lambda x: 2 * x)(21) == 42

@@ -104,21 +104,17 @@ def test_parts_have_the_voxels_of_the_whole(method, engine, seed, turn, size, cu
         assert_same(volumes_of(sweep, wanted, grid, cuts, patch), whole)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_holes_filled_as_plus_does_it_are_those_of_the_whole_too(kind, monkeypatch):
-    holes, wanted = (HoleFilling(kind, 5),), ReconstructionSettings(method="average", hole_limit=0.0)
+OTHERWISE = {**{kind: {} for kind in KINDS}, "moved": {"speed_of_sound": 1480.0}, "rejected": {"pixel_rejection": 90.0}}
+
+
+@pytest.mark.parametrize("how", OTHERWISE)
+def test_holes_as_plus_fills_them_and_pixels_that_move_or_are_left_out_are_those_of_the_whole(how, monkeypatch):
+    holes = (HoleFilling(how, 5),) if how in KINDS else ()
+    wanted = ReconstructionSettings(method="average", **OTHERWISE[how], **({"hole_limit": 0.0} if holes else {}))
     sweep, grid = sequence(5), turned_grid(size=(12, 11, PLANES))
     whole = volumes_of(sweep, wanted, grid, [], monkeypatch, holes)
     assert (whole[0][1] == 2).any()
     assert_same(volumes_of(sweep, wanted, grid, [2, 3, 7], monkeypatch, holes), whole)
-
-
-@pytest.mark.parametrize("settings", [{"speed_of_sound": 1480.0}, {"pixel_rejection": 90.0}], ids=["moved", "rejected"])
-def test_pixels_that_move_or_are_left_out_do_so_in_parts(settings, monkeypatch):
-    wanted = ReconstructionSettings(method="average", **settings)
-    sweep, grid = sequence(6), turned_grid(size=(12, 11, PLANES))
-    whole = volumes_of(sweep, wanted, grid, [], monkeypatch)
-    assert_same(volumes_of(sweep, wanted, grid, [1, 5], monkeypatch), whole)
 
 
 def test_only_what_was_asked_for_is_made(monkeypatch):
@@ -149,14 +145,10 @@ def test_parts_lie_side_by_side_and_keep_within_the_memory(size, memory):
     assert (len(parts) == 1) == (math.prod(size) * COSTS.whole <= memory)
 
 
-def test_a_box_of_more_voxels_than_can_be_numbered_is_worked_in_parts():
-    parts = cut_into_parts(VoxelGrid((2001, 1501, 751), np.eye(4)), COSTS, 10**12)
-    assert len(parts) == 2
-
-
-def test_a_method_of_ones_own_that_looks_at_bone_is_not_cut():
+def test_a_box_of_more_voxels_than_can_be_numbered_is_cut_but_not_for_a_method_of_ones_own_that_looks_at_bone():
+    assert len(cut_into_parts(VoxelGrid((2001, 1501, 751), np.eye(4)), COSTS, 10**12)) == 2
     with pytest.raises(InsufficientMemoryError, match="needs 28"):
-        cut_into_parts(VoxelGrid((100, 100, 100), np.eye(4)), Costs(28, 2, 28, parts=False), 10**7)
+        cut_into_parts(VoxelGrid((100, 100, 100), np.eye(4)), replace(COSTS, parts=False), 10**7)
 
 
 def test_a_reconstruction_keeps_within_the_memory_that_it_is_given(monkeypatch):

@@ -26,13 +26,6 @@ def test_rotations_follow_scipys_slerp(a, b, fraction):
 
 @given(vectors, vectors, fractions)
 @settings(max_examples=60)
-def test_a_rigid_pose_stays_rigid(a, b, fraction):
-    rotation = interpolate_pose(rigid(a, b), rigid(b, a), fraction)[:3, :3]
-    np.testing.assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-9)
-
-
-@given(vectors, vectors, fractions)
-@settings(max_examples=60)
 def test_the_way_back_passes_the_same_pose(a, b, fraction):
     first, second = rigid(a, b), rigid(b, a)
     if pose_change(first, second)[1] > np.pi - 1e-3:
@@ -40,17 +33,11 @@ def test_the_way_back_passes_the_same_pose(a, b, fraction):
     np.testing.assert_allclose(interpolate_pose(first, second, fraction), interpolate_pose(second, first, 1 - fraction), atol=1e-6)
 
 
-def test_the_ends_are_the_samples_to_the_bit():
+def test_the_ends_are_the_samples_to_the_bit_and_between_them_pixels_keep_their_size():
     first, second = rigid((10, 20, 30), (1, 2, 3)), rigid((-40, 5, 60), (7, 8, 9))
     np.testing.assert_array_equal(interpolate_pose(first, second, 0.0), first)
     np.testing.assert_array_equal(interpolate_pose(first, second, 1.0), second)
-
-
-def test_an_image_pose_keeps_its_pixel_spacing():
     pose = interpolate_pose(image_pose((0.4, 0.7), (0, 0, 0)), image_pose((0.4, 0.7), (0, 80, 30)), 0.3)
     np.testing.assert_allclose(np.linalg.norm(pose[:3, :2], axis=0), (0.4, 0.7), atol=1e-12)
-
-
-def test_half_a_turn_is_passed_through_a_quarter():
-    pose = interpolate_pose(np.eye(4), rigid((180, 0, 0)), 0.5)
-    assert abs(pose_change(np.eye(4), pose)[1] - np.pi / 2) < 1e-6
+    half = interpolate_pose(np.eye(4), rigid((180, 0, 0)), 0.5)
+    assert abs(pose_change(np.eye(4), half)[1] - np.pi / 2) < 1e-6

@@ -30,33 +30,28 @@ def limit_of(*places) -> float:
     return automatic_limit(frames_at(*places), SHOWN, GRID)[0]
 
 
-@pytest.mark.parametrize("gap", [1.5, 2.0, 3.0, 5.0])
-def test_evenly_spaced_frames_are_filled_to_almost_half_their_distance(gap):
-    assert limit_of(*np.arange(0.0, 60.0, gap)) == pytest.approx(0.95 * gap / 2 + DIAGONAL / 2, abs=0.1)
+EVENLY = {gap: 0.95 * gap / 2 + DIAGONAL / 2 for gap in (1.5, 2.0, 3.0, 5.0)}
+PASSES = np.concatenate([np.arange(start, 90.0, 9.0) for start in (0.0, 3.0, 6.0)])
 
 
-@pytest.mark.parametrize("places", [(0.0,), (0.0, 0.0, 0.0), np.arange(0.0, 10.0, 0.1)])
-def test_the_limit_is_at_least_a_voxel_s_diagonal(places):
-    assert limit_of(*places) == pytest.approx(DIAGONAL, abs=0.1)
-
-
-def test_voxels_larger_than_that_still_reach_their_neighbors():
+@pytest.mark.parametrize(
+    ("places", "limit"),
+    [
+        *((np.arange(0.0, 60.0, gap), limit) for gap, limit in EVENLY.items()),
+        *((places, DIAGONAL) for places in ((0.0,), (0.0, 0.0, 0.0), np.arange(0.0, 10.0, 0.1))),
+        (PASSES, EVENLY[3.0]),
+    ],
+)
+def test_frames_are_filled_to_almost_half_their_distance_and_to_a_voxel_s_diagonal_at_least(places, limit):
+    assert limit_of(*places) == pytest.approx(limit, abs=0.1)
     coarse = VoxelGrid.from_spacing((-5.0, -5.0, -5.0), (10, 10, 30), 5.0)
-    assert automatic_limit(frames_at(0.0, 5.0, 10.0), SHOWN, coarse)[0] >= np.linalg.norm((5.0, 5.0, 5.0))
-
-
-def test_passes_that_interleave_fill_each_other_s_gaps():
-    passes = [np.arange(start, 90.0, 9.0) for start in (0.0, 3.0, 6.0)]
-    assert limit_of(*np.concatenate(passes)) == pytest.approx(limit_of(*np.arange(0.0, 90.0, 3.0)), abs=0.2)
+    assert automatic_limit(frames_at(*places), SHOWN, coarse)[0] >= np.linalg.norm((5.0, 5.0, 5.0))
+    slid = np.stack([image_pose((0.5, 0.5), translation=(z, 0.0, 0.0))[:3] for z in places])
+    assert automatic_limit(slid, SHOWN, GRID)[0] == pytest.approx(DIAGONAL, abs=0.1)
 
 
 def test_the_way_back_to_the_next_pass_asks_for_nothing():
     assert limit_of(*np.arange(0.0, 30.0, 1.5), *np.arange(70.0, 100.0, 1.5)) == limit_of(*np.arange(0.0, 30.0, 1.5))
-
-
-def test_sliding_within_the_image_plane_is_no_gap():
-    poses = np.stack([image_pose((0.5, 0.5), translation=(3.0 * n, 0.0, 0.0))[:3] for n in range(10)])
-    assert automatic_limit(poses, SHOWN, GRID)[0] == pytest.approx(DIAGONAL, abs=0.1)
 
 
 def test_a_sweep_that_is_turned_with_its_volume_asks_for_the_same():

@@ -133,18 +133,6 @@ def test_filling_equals_the_loop_over_voxels(kind, share, engine):
     np.testing.assert_allclose(values, wanted_values, rtol=1e-6)
 
 
-def test_of_two_neighbors_a_hole_takes_after_the_nearer_one():
-    values = np.array([[[90, 0, 0, 30]]], np.float32)
-    fill_holes_by_kind(values, (values > 0).astype(np.uint8), (HoleFilling("inverse distance", 5),))
-    np.testing.assert_allclose(values, [[[90, (2 * 90 + 30) / 3, (90 + 2 * 30) / 3, 30]]])
-
-
-def test_of_two_neighbors_a_hole_takes_after_the_one_with_more_pixels():
-    values, score = np.array([[[90, 0, 30]]], np.float32), np.array([[[1, 0, 5]]])
-    fill_holes_by_kind(values, (values > 0).astype(np.uint8), (HoleFilling("gaussian by hits", 3, 1.0),), score=score)
-    assert values[0, 0, 1] == pytest.approx((90 + 5 * 30) / 6)
-
-
 def test_what_one_way_leaves_is_the_next_ones():
     first, second = HoleFilling("stick", 3), HoleFilling("cube", 3)
     values, mask = scattered(0.1, seed=8)

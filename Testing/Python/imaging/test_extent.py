@@ -63,17 +63,13 @@ def test_origin_and_size_follow_igsio(poses, spacing):
     assert (np.abs(np.array(grid.size) - 1 - voxels) <= 0.5 + 1e-5).all()
 
 
-def test_a_fitted_spacing_ends_with_the_last_pixel():
+def test_a_fitted_spacing_ends_with_the_last_pixel_and_a_box_thinner_than_a_voxel_keeps_it():
     pose = rigid((np.pi / 2, 0, 0), (4, 5, 6)) @ scaled(0.3, 0.3, 1)
-    grid = grid_around_sweep(pose[None], (11, 10), FULL, (1.0, 1.0, 0.8), fits_spacing=True)
+    grid, thin = (grid_around_sweep(each[None], (11, 10), FULL, (1.0, 1.0, 0.8), fits_spacing=True) for each in (pose, np.eye(4)))
     # 9 rows of 0.3 mm: 3 whole voxels of 0.8 mm and a bit, so each grows to a third
     np.testing.assert_allclose(grid.spacing, (1.0, 1.0, 0.9))
     assert grid.size[2] == 4
-
-
-def test_a_box_thinner_than_a_voxel_keeps_its_spacing():
-    grid = grid_around_sweep(np.eye(4)[None], (11, 10), FULL, (1.0, 1.0, 0.8), fits_spacing=True)
-    assert grid.spacing[2] == 0.8
+    assert thin.spacing[2] == 0.8
 
 
 def test_a_fan_makes_the_grid_as_small_as_its_pixels():
@@ -84,14 +80,14 @@ def test_a_fan_makes_the_grid_as_small_as_its_pixels():
     assert grid.size == (np.ptp(column) + 1, np.ptp(row) + 1, 1)
 
 
-@pytest.mark.parametrize("far", [6000.0, 1e9, np.nan])
-def test_poses_that_no_scan_spans_are_refused(far):
-    poses = np.array([np.eye(4), rigid((0, 0, 0), (far, 0, 0))])
-    with pytest.raises(GeometryError, match="which no scan does"):
-        grid_around_sweep(poses, (9, 9), FULL, (1.0, 1.0, 1.0))
-
-
-def test_a_spacing_that_is_too_fine_is_refused_before_anything_is_allocated():
-    poses = np.array([np.eye(4), rigid((0, 0, 0), (400, 400, 400))])
-    with pytest.raises(InsufficientMemoryError, match="A spacing of"):
-        grid_around_sweep(poses, (9, 9), FULL, (0.01, 0.01, 0.01), bytes_per_voxel=17)
+@pytest.mark.parametrize(
+    ("far", "spacing", "error", "words"),
+    [
+        *(((far, 0, 0), 1.0, GeometryError, "which no scan does") for far in (6000.0, 1e9, np.nan)),
+        ((400, 400, 400), 0.01, InsufficientMemoryError, "A spacing of"),
+    ],
+)
+def test_poses_that_no_scan_spans_and_a_spacing_that_is_too_fine_are_refused(far, spacing, error, words):
+    poses = np.array([np.eye(4), rigid((0, 0, 0), far)])
+    with pytest.raises(error, match=words):
+        grid_around_sweep(poses, (9, 9), FULL, (spacing,) * 3, bytes_per_voxel=17)

@@ -38,12 +38,13 @@ def engine(request):
     return request.param
 
 
-@pytest.mark.parametrize("method", ["average", "aif"])
+@pytest.mark.parametrize(("method", "interpolation"), [("average", "nearest"), ("aif", "nearest"), ("average", "linear")])
 @pytest.mark.parametrize("dtype", [np.uint8, np.float32])
-def test_rejected_pixels_are_as_if_they_were_not_numbers(method, dtype, engine):
+def test_rejected_pixels_are_as_if_they_were_not_numbers(method, interpolation, dtype, engine):
     frames = oblique_frames(seed=4, count=3, dtype=dtype)
     without = [replace(f, image=np.where(f.image >= 100, f.image, np.nan).astype(np.float32)) for f in frames]
-    ours, theirs = reconstructed(frames, method, engine, 100), reconstructed(without, method, engine)
+    ours = reconstructed(frames, method, engine, 100, interpolation)
+    theirs = reconstructed(without, method, engine, None, interpolation)
     np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
     np.testing.assert_allclose(ours.intensity.array, theirs.intensity.array, atol=0.51)
 
@@ -55,19 +56,6 @@ def test_pixels_that_are_not_numbers_let_no_dark_pixel_in(engine):
     without = replace(frame, image=np.where(dark, np.nan, frame.image))
     ours, theirs = reconstructed([frame], engine=engine, rejection=100), reconstructed([without], engine=engine)
     np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
-
-
-def test_linear_interpolation_rejects_too(engine):
-    frames = oblique_frames(seed=4, count=2)
-    without = [replace(f, image=np.where(f.image >= 100, f.image, np.nan).astype(np.float32)) for f in frames]
-    ours, theirs = (reconstructed(f, "average", engine, r, "linear") for f, r in ((frames, 100), (without, None)))
-    np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
-
-
-def test_a_frame_of_dark_pixels_is_counted_as_skipped():
-    frames = oblique_frames(seed=4, count=2)
-    dark = replace(frames[0], image=np.zeros_like(frames[0].image))
-    assert reconstructed([dark, frames[1]], rejection=20).skipped == {"nothing bright enough in the image": [0]}
 
 
 @pytest.mark.parametrize("engine", ["numpy", "auto"])
@@ -85,32 +73,22 @@ def lit(first, last, level=120):
     return np.where((first <= ANGLE) & (last >= ANGLE), level, 5).astype(np.uint8)
 
 
-@pytest.mark.parametrize(("first", "last"), [(-30, 20), (-10, 40), (5, 35)])
-def test_the_lit_part_of_a_fan_is_found_less_three_degrees(first, last):
-    angles = DETECTION.angles(lit(first, last), FAN)
-    # Half a window of 20 samples may be dark: along the arc that is widest in degrees, the first, 10 px are 14 degrees
-    np.testing.assert_allclose(angles, (first + 3, last - 3), atol=15)
-    assert angles[0] < first + 3 + 1e-6
-
-
-def test_a_fine_window_finds_the_angles_closely():
-    angles = FanDetection(30, 1).angles(lit(-30, 20), FAN)
-    np.testing.assert_allclose(angles, (-27, 17), atol=3)
-
-
-def test_a_fan_that_is_lit_throughout_is_cut_at_its_sides_alone():
-    angles = DETECTION.angles(np.full((160, 201), 99, np.uint8), FAN)
-    np.testing.assert_allclose(angles, (-42, 42), atol=1e-9)
-
-
-def test_the_wider_of_two_lit_parts_counts():
-    image = np.maximum(lit(-40, -20), lit(0, 35))
-    first, last = FanDetection(30, 2).angles(image, FAN)
-    assert -6 < first < last < 40
-
-
-def test_arcs_outside_the_image_are_not_looked_at():
-    assert DETECTION.angles(np.full((10, 10), 200, np.uint8), Fan((-500, -500), (-45, 45), (20, 150))) is None
+@pytest.mark.parametrize(
+    ("window", "image", "expected", "off"),
+    [
+        # Half a window of 20 samples may be dark: along the arc that is widest in degrees, the first, 10 px are 14 degrees
+        *((10, lit(first, last), (first + 3, last - 3), 15) for first, last in ((-30, 20), (-10, 40), (5, 35))),
+        (1, lit(-30, 20), (-27, 17), 3),
+        (2, np.maximum(lit(-40, -20), lit(0, 35)), (3, 32), 9),
+        (10, np.full((160, 201), 99, np.uint8), (-42, 42), 1e-9),
+    ],
+)
+def test_the_widest_lit_part_of_a_fan_is_found_less_three_degrees(window, image, expected, off):
+    angles = FanDetection(30, window).angles(image, FAN)
+    np.testing.assert_allclose(angles, expected, atol=off)
+    assert angles[0] < expected[0] + 1e-6
+    # Arcs outside the image are not looked at
+    assert FanDetection(30, window).angles(image[:10, :10], Fan((-500, -500), (-45, 45), (20, 150))) is None
 
 
 def test_a_detected_fan_is_the_region_of_its_frame():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,10 +51,10 @@ def kept_by_loop(columns: int, rows: int, clip=None, fan=None) -> np.ndarray:
     return kept
 
 
-@pytest.mark.parametrize(
-    "clip",
-    [((-30, 2), (10, 5)), ((2, -30), (10, 5)), ((40, 2), (10, 5)), ((2, 40), (10, 5)), ((2.2, 2.2), (0.5, 0.5)), ((-1, 2), (0.5, 5))],
-)
+BESIDE = (((-30, 2), (10, 5)), ((2, -30), (10, 5)), ((40, 2), (10, 5)), ((2, 40), (10, 5)), ((2.2, 2.2), (0.5, 0.5)), ((-1, 2), (0.5, 5)))
+
+
+@pytest.mark.parametrize("clip", BESIDE)
 def test_a_clip_beside_the_image_leaves_nothing_and_says_so(clip):
     with pytest.raises(SettingsError, match="leave no pixel of a 20 x 10 image"):
         ImageRegion(ClipRectangle(*clip)).mask(20, 10)
@@ -83,28 +84,13 @@ def test_a_fan_equals_the_plain_loop(apex, angles, radii, pixel_size):
     np.testing.assert_array_equal(Fan(apex, angles, radii, pixel_size).mask(23, 17), expected)
 
 
-def test_the_fan_of_the_trus_configuration_equals_the_plain_loop():
-    clip, fan = ((192, 16), (420, 580)), ((380, 20), (-45, 45), (120, 360), (1.0, 1.0))
-    kept = ImageRegion(ClipRectangle(*clip), Fan(*fan)).mask(820, 616)
-    np.testing.assert_array_equal(kept, kept_by_loop(820, 616, clip, fan))
+NAN = math.nan
+NO_SECTOR: list[Any] = [((5, 0), angles, (0, 9)) for angles in ((10, 10), (-90, 10), (-10, 90), (NAN, 10))]
+NO_SECTOR += [((5, 0), (-10, 10), radii) for radii in ((9, 9), (-1, 9), (0, math.inf), (0, NAN))]
+NO_SECTOR += [((NAN, 0), (-10, 10), (0, 9)), *(((5, 0), (-10, 10), (0, 9), size) for size in ((0.0, 1.0), (1.0, NAN)))]
 
 
-@pytest.mark.parametrize(
-    "fan",
-    [
-        ((5, 0), (10, 10), (0, 9)),
-        ((5, 0), (-90, 10), (0, 9)),
-        ((5, 0), (-10, 90), (0, 9)),
-        ((5, 0), (math.nan, 10), (0, 9)),
-        ((5, 0), (-10, 10), (9, 9)),
-        ((5, 0), (-10, 10), (-1, 9)),
-        ((5, 0), (-10, 10), (0, math.inf)),
-        ((5, 0), (-10, 10), (0, math.nan)),
-        ((math.nan, 0), (-10, 10), (0, 9)),
-        ((5, 0), (-10, 10), (0, 9), (0.0, 1.0)),
-        ((5, 0), (-10, 10), (0, 9), (1.0, math.nan)),
-    ],
-)
+@pytest.mark.parametrize("fan", NO_SECTOR)
 def test_a_fan_that_is_no_sector_is_refused(fan):
     with pytest.raises(SettingsError, match="Input fan"):
         Fan(*fan)
@@ -126,31 +112,15 @@ FAN = Fan((20.0, -10.0), (-30.0, 30.0), (12.0, 30.0))
 ANGLES, RADII = (-20.0, 15.0), (10.0, 25.0)
 
 
-def test_a_clip_rectangle_that_is_asked_for_keeps_the_configured_fan():
+def test_what_is_asked_for_goes_before_what_is_configured_of_the_same_kind():
     assert chosen_region(ImageRegion(OTHER_CLIP, FAN), CLIP) == ImageRegion(CLIP, FAN)
-
-
-def test_a_fan_that_is_asked_for_keeps_the_configured_clip_rectangle_and_ends_the_detection():
-    configured = ImageRegion(CLIP, FAN, FanDetection())
-    assert chosen_region(configured, None, ANGLES, RADII) == ImageRegion(CLIP, Fan(FAN.apex_px, ANGLES, RADII))
-
-
-@pytest.mark.parametrize(
-    ("apex", "configured", "expected"),
-    [((1.0, 2.0), FAN, (1.0, 2.0)), (None, FAN, FAN.apex_px), (None, None, (7.0, 8.0))],
-    ids=["given", "configured", "of the probe"],
-)
-def test_a_fan_stands_about_the_nearest_known_apex(apex, configured, expected):
-    region = chosen_region(ImageRegion(None, configured), None, ANGLES, RADII, apex, ProbeGeometry("sector", (7.0, 8.0)))
-    assert region.fan.apex_px == expected
-
-
-def test_a_fan_without_an_apex_is_refused():
+    detected = ImageRegion(CLIP, FAN, FanDetection())
+    assert chosen_region(detected, None, ANGLES, RADII) == ImageRegion(CLIP, Fan(FAN.apex_px, ANGLES, RADII))
+    sector = ProbeGeometry("sector", (7.0, 8.0))
+    for apex, configured, expected in (((1.0, 2.0), FAN, (1.0, 2.0)), (None, FAN, FAN.apex_px), (None, None, (7.0, 8.0))):
+        assert chosen_region(ImageRegion(None, configured), None, ANGLES, RADII, apex, sector).fan.apex_px == expected
     with pytest.raises(SettingsError, match="apex"):
         chosen_region(None, None, ANGLES, RADII, None, ProbeGeometry("linear"))
-
-
-@pytest.mark.parametrize("given", [(ANGLES, None), (None, RADII)])
-def test_half_a_fan_is_refused(given):
-    with pytest.raises(SettingsError, match="both"):
-        chosen_region(None, None, *given)
+    for half in ((ANGLES, None), (None, RADII)):
+        with pytest.raises(SettingsError, match="both"):
+            chosen_region(None, None, *half)

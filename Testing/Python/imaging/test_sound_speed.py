@@ -25,7 +25,7 @@ from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedFrame
 
-LINEAR = ProbeGeometry("linear")
+LINEAR, PHASED = ProbeGeometry("linear"), ProbeGeometry("sector", (50.0, 0.0))
 SPACING = (0.2, 0.3)
 WATER = {"speed_of_sound": 1480.0, "scanner_speed_of_sound": 1540.0}
 FACTOR = 1480 / 1540
@@ -43,12 +43,19 @@ def place_of(pixel, probe, region, **settings):
     return column * 0.05 - 5, row * 0.05 - 5
 
 
-@pytest.mark.parametrize("interpolation", ["nearest", "linear"])
-def test_a_linear_probe_shows_depth_below_the_first_row_of_its_region(interpolation):
-    region = ImageRegion(ClipRectangle((10, 20), (80, 90)))
-    x, y = place_of((50, 100), LINEAR, region, interpolation=interpolation, **WATER)
-    assert x == pytest.approx(50 * 0.2, abs=0.05)
-    assert y == pytest.approx(20 * 0.3 + FACTOR * 80 * 0.3, abs=0.05)
+@pytest.mark.parametrize(
+    ("pixel", "probe", "region", "place", "interpolation"),
+    [
+        *(
+            ((50, 100), LINEAR, ImageRegion(ClipRectangle((10, 20), (80, 90))), (50 * 0.2, 20 * 0.3 + FACTOR * 80 * 0.3), how)
+            for how in ("nearest", "linear")
+        ),
+        ((70, 90), PHASED, ImageRegion(), (50 * 0.2 + FACTOR * 20 * 0.2, FACTOR * 90 * 0.3), "nearest"),
+    ],
+    ids=["linear probe", "linear probe and interpolation", "phased array"],
+)
+def test_depth_is_below_the_first_row_of_the_region_or_from_the_apex(pixel, probe, region, place, interpolation):
+    np.testing.assert_allclose(place_of(pixel, probe, region, interpolation=interpolation, **WATER), place, atol=0.05)
 
 
 def test_a_sector_shows_depth_below_its_transducer_along_radii():
@@ -60,12 +67,6 @@ def test_a_sector_shows_depth_below_its_transducer_along_radii():
     true = (18.0 + FACTOR * (radius - 18.0)) / radius * shown + np.array(apex) * SPACING
     # The face is where the region's pixels begin, to a fraction of a pixel; 4 % of that is lost in a voxel
     np.testing.assert_allclose((x, y), true, atol=0.06)
-
-
-def test_a_phased_array_scales_about_its_apex():
-    apex = (50.0, 0.0)
-    x, y = place_of((70, 90), ProbeGeometry("sector", apex), ImageRegion(), **WATER)
-    np.testing.assert_allclose((x, y), (50 * 0.2 + FACTOR * 20 * 0.2, FACTOR * 90 * 0.3), atol=0.05)
 
 
 def volumes(method, frames, bone=None, **settings):
@@ -84,16 +85,6 @@ def test_for_a_linear_probe_it_is_the_same_as_images_of_another_pixel_size(metho
     np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
     np.testing.assert_allclose(ours.intensity.array, theirs.intensity.array, rtol=1e-4, atol=1e-3)
     np.testing.assert_allclose(ours.score.array, theirs.score.array, rtol=1e-4, atol=1e-5)
-
-
-@pytest.mark.parametrize("settings", [{}, {"scanner_speed_of_sound": 1500.0}, {"speed_of_sound": 1540.0}])
-def test_without_another_speed_nothing_moves(settings):
-    assert depth_factor(ReconstructionSettings(hole_limit=0.0, **settings)) == 1.0
-
-
-def test_the_apex_itself_stays():
-    probe = ProbeGeometry("sector", (4.0, 3.0))
-    assert DepthScale(probe, 1.1, 0.0, SPACING).moved(np.array([[4.0], [3.0]])).ravel().tolist() == [4, 3]
 
 
 @pytest.mark.parametrize("probe", [LINEAR, ProbeGeometry("sector", (20.0, -9.0))])
@@ -127,17 +118,13 @@ def test_engines_give_the_same_voxels(method, probe, engine):
         np.testing.assert_array_equal(getattr(results[0], part).array, getattr(results[1], part).array)
 
 
-def test_a_matrix_moves_the_pixels_of_a_linear_probe():
-    scale = DepthScale(LINEAR, FACTOR, 20.0, SPACING)
-    pixels = np.random.default_rng(0).uniform(0, 90, (2, 50))
-    moved = scale.stretch @ [*pixels, np.zeros(50), np.ones(50)]
-    np.testing.assert_allclose(moved[:2], scale.moved(pixels), atol=1e-9)
-    assert moved[1, pixels[1] > 20].max() < pixels[1].max()
-
-
-def test_the_beams_must_be_known():
+def test_the_beams_must_be_known_for_another_speed_and_without_one_nothing_moves():
     with pytest.raises(BeamGeometryError, match="speed of sound needs the direction of the beams"):
         Reconstructor(turned_grid(), ReconstructionSettings(hole_limit=0.0, **WATER))
+    for settings in ({}, {"scanner_speed_of_sound": 1500.0}, {"speed_of_sound": 1540.0}):
+        assert depth_factor(ReconstructionSettings(hole_limit=0.0, **settings)) == 1.0
+    apex = DepthScale(ProbeGeometry("sector", (4.0, 3.0)), 1.1, 0.0, SPACING)
+    assert apex.moved(np.array([[4.0], [3.0]])).ravel().tolist() == [4, 3]
 
 
 def test_bone_from_the_sweep_itself_is_refused_with_it(tmp_path, capsys):

@@ -36,21 +36,15 @@ def test_the_pixels_of_a_sweep_have_the_percentiles_of_the_standard():
     np.testing.assert_allclose(np.percentile(standard, PERCENTILES), STANDARD, atol=6)
 
 
-@pytest.mark.parametrize("look", POINTWISE)
-def test_gain_and_gray_curve_change_nothing_that_is_judged(look):
+@pytest.mark.parametrize(("look", "bright"), [*((look, 30) for look in POINTWISE), ("gain -8 dB of 60", 60)])
+def test_gain_and_gray_curve_change_nothing_that_is_judged_and_what_is_cut_off_stays_black(look, bright):
     images = sweep()
     seen = looks(images)[look]
     ours, theirs = (learned(each).of(each).astype(int) for each in (images, seen))
-    bright = images > 30
-    assert np.abs(ours - theirs)[bright].mean() < 2.5
-
-
-def test_what_is_cut_off_below_stays_black_and_the_rest_is_judged_alike():
-    images = sweep()
-    cut = looks(images)["gain -8 dB of 60"]
-    ours, theirs = (learned(each).of(each).astype(int) for each in (images, cut))
-    assert np.abs(ours - theirs)[images > 60].mean() < 2.5
-    assert (theirs[cut == 0] == 0).all()
+    assert np.abs(ours - theirs)[images > bright].mean() < 2.5
+    assert (theirs[seen == 0] == 0).all()
+    levels = GrayLevels.as_recorded()
+    np.testing.assert_array_equal(levels.of(np.array([np.nan, -5.0, np.inf, -np.inf, 80.0], np.float32)), [0, 0, 0, 0, 80])
 
 
 def test_a_cut_range_is_told_with_what_to_turn():
@@ -103,8 +97,3 @@ def test_every_curve_rises_is_bounded_and_leaves_black_black(values, frames):
     assert levels.table[0] == 0
     assert (np.subtract(levels.landmarks, STANDARD) <= LARGEST_SHIFT + 1e-3).all()
     assert levels.landmarks[-1] >= STANDARD[-1] - LARGEST_SHIFT - 1e-3
-
-
-def test_values_that_are_no_gray_levels_are_black():
-    levels = GrayLevels.as_recorded()
-    np.testing.assert_array_equal(levels.of(np.array([np.nan, -5.0, np.inf, -np.inf, 80.0], np.float32)), [0, 0, 0, 0, 80])

@@ -26,19 +26,15 @@ def fail_with(code: int):
     return fail
 
 
-def test_the_file_appears_when_the_block_ends(tmp_path):
-    with atomic_output(tmp_path / "a.txt") as temporary:
-        temporary.write_text("new", encoding="utf-8")
-        assert not (tmp_path / "a.txt").exists()
-    assert content_of(tmp_path) == {"a.txt": "new"}
-
-
 @pytest.mark.parametrize("name", ["volume.nii.gz", "sweep.igs.mha"])
-def test_the_temporary_file_has_the_same_name_and_so_the_same_suffixes(tmp_path, name):
+def test_the_file_appears_when_the_block_ends_and_has_the_same_name_before(tmp_path, name):
     with atomic_output(tmp_path / name) as temporary:
+        write_text(temporary, "ä\n")
         assert temporary.name == name
         assert temporary.parent.parent == tmp_path
-        temporary.touch()
+        assert not (tmp_path / name).exists()
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_bytes() == b"\xc3\xa4\n"
 
 
 @pytest.mark.parametrize("exception", [RuntimeError, KeyboardInterrupt, SystemExit])
@@ -55,28 +51,20 @@ def test_any_exception_leaves_the_older_file_and_nothing_else(tmp_path, exceptio
     assert content_of(tmp_path) == {"a.txt": "old"}
 
 
-def test_files_that_belong_together_appear_together(tmp_path):
+def test_files_that_belong_together_appear_together_the_header_last(tmp_path, monkeypatch):
+    renamed = []
+    replace = os.replace
+    monkeypatch.setattr(os, "replace", lambda source, target: (renamed.append(target.name), replace(source, target)))
     with atomic_outputs(tmp_path / "a.raw", tmp_path / "a.mhd") as (data, header):
         data.write_text("data", encoding="utf-8")
         header.write_text("ElementDataFile = a.raw\n", encoding="utf-8")
         assert data.parent == header.parent
     assert content_of(tmp_path) == {"a.raw": "data", "a.mhd": "ElementDataFile = a.raw\n"}
-
-
-def test_the_header_is_renamed_last(tmp_path, monkeypatch):
-    renamed = []
-    replace = os.replace
-    monkeypatch.setattr(os, "replace", lambda source, target: (renamed.append(target.name), replace(source, target)))
-    with atomic_outputs(tmp_path / "a.raw", tmp_path / "a.mhd") as paths:
-        for path in paths:
-            path.touch()
     assert renamed == ["a.raw", "a.mhd"]
-
-
-def test_a_companion_that_was_not_written_is_left_out(tmp_path):
-    with atomic_outputs(tmp_path / "a.zraw", tmp_path / "a.mhd") as (_, header):
+    # A companion that was not written is left out
+    with atomic_outputs(tmp_path / "b.zraw", tmp_path / "b.mhd") as (_, header):
         header.touch()
-    assert [path.name for path in tmp_path.iterdir()] == ["a.mhd"]
+    assert sorted(content_of(tmp_path)) == ["a.mhd", "a.raw", "b.mhd"]
 
 
 def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
@@ -119,26 +107,16 @@ def test_a_disk_that_is_full_at_the_end_leaves_the_older_file(tmp_path, monkeypa
     assert content_of(tmp_path) == {"a.txt": "old"}
 
 
-@pytest.mark.parametrize("write", [check_writable, lambda path: write_text(path, "x")])
-class TestBothBeforeAndWhenWriting:
-    def test_a_name_that_is_too_long_is_refused(self, tmp_path, write):
-        with pytest.raises(OutputError, match="File name too long"):
-            write(tmp_path / ("a" * 300))
-
-    @pytest.mark.skipif(not os.path.exists("/dev/null"), reason="devices are POSIX")
-    def test_a_device_is_not_replaced(self, write):
+@pytest.mark.parametrize("write", [check_writable, lambda path: write_text(path, "x")], ids=["before", "when writing"])
+def test_what_cannot_be_written_to_is_refused_before_and_when_writing(tmp_path, monkeypatch, write):
+    with pytest.raises(OutputError, match="File name too long"):
+        write(tmp_path / ("a" * 300))
+    if os.path.exists("/dev/null"):
         with pytest.raises(OutputError, match="device"):
             write("/dev/null")
-
-    def test_a_folder_without_permission_is_refused(self, tmp_path, monkeypatch, write):
-        monkeypatch.setattr(Path, "mkdir", fail_with(errno.EACCES))
-        with pytest.raises(OutputError, match="no permission"):
-            write(tmp_path / "a.txt")
-
-
-def test_text_is_utf_8_with_line_feeds(tmp_path):
-    write_text(tmp_path / "a.txt", "ä\n")
-    assert (tmp_path / "a.txt").read_bytes() == b"\xc3\xa4\n"
+    monkeypatch.setattr(Path, "mkdir", fail_with(errno.EACCES))
+    with pytest.raises(OutputError, match="no permission"):
+        write(tmp_path / "a.txt")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")

@@ -33,64 +33,50 @@ def older(tmp_path):
     return tmp_path
 
 
-def stop_at(monkeypatch, step: int, exception: BaseException) -> None:
-    """Let the rename, link or removal with this number fail, and all that follow, as when the program ends there."""
+def at_step(monkeypatch, step: int, then, before: bool) -> None:
+    """Call `then` before the rename, link or removal with this number and each that follows; or once, after that one is done."""
     done = 0
 
-    def failing(function):
+    def watched(function):
         def call(*arguments, **options):
             nonlocal done
             done += 1
-            if done > step:
-                raise exception
-            return function(*arguments, **options)
-
-        return call
-
-    for name in ("replace", "link", "unlink"):
-        monkeypatch.setattr(os, name, failing(getattr(os, name)))
-
-
-@pytest.mark.parametrize("exception", [KeyboardInterrupt(), OSError(5, "no answer")], ids=["Ctrl-C", "a failing disk"])
-@pytest.mark.parametrize("step", range(STEPS))
-def test_wherever_it_ends_the_header_names_data_of_its_own_version(older, step, exception):
-    with pytest.MonkeyPatch.context() as patched:
-        stop_at(patched, step, exception)
-        with contextlib.suppress(KeyboardInterrupt, OutputError):
-            write_pair(older, "new")
-    assert read_pair(older) in (("old", "old"), ("new", "new"))
-
-
-def after_step(monkeypatch, step: int, then) -> None:
-    """Call `then` after the rename, link or removal with this number, which is done."""
-    done = 0
-
-    def followed(function):
-        def call(*arguments, **options):
-            nonlocal done
-            done += 1
-            answer, due = function(*arguments, **options), done == step + 1
-            if due:
+            number = done
+            if before and number > step:
+                then()
+            answer = function(*arguments, **options)
+            if not before and number == step + 1:
                 then()
             return answer
 
         return call
 
     for name in ("replace", "link", "unlink"):
-        monkeypatch.setattr(os, name, followed(getattr(os, name)))
+        monkeypatch.setattr(os, name, watched(getattr(os, name)))
 
 
-@pytest.mark.parametrize("exception", [KeyboardInterrupt(), OSError(5, "no answer")], ids=["Ctrl-C", "a disk that says it failed"])
-@pytest.mark.parametrize("step", range(STEPS))
-def test_a_step_that_is_done_although_it_fails_leaves_a_whole_pair(older, step, exception):
+def failing(exception):
+    """What a step ends with."""
+
     def fail():
         raise exception
 
+    return fail
+
+
+@pytest.mark.parametrize("before", [True, False], ids=["not done", "done although it fails"])
+@pytest.mark.parametrize("exception", [KeyboardInterrupt(), OSError(5, "no answer")], ids=["Ctrl-C", "a failing disk"])
+@pytest.mark.parametrize("step", range(STEPS))
+def test_wherever_it_ends_the_header_names_data_of_its_own_version_and_the_next_write_leaves_nothing(older, step, exception, before):
     with pytest.MonkeyPatch.context() as patched:
-        after_step(patched, step, fail)
+        at_step(patched, step, failing(exception), before)
         with contextlib.suppress(KeyboardInterrupt, OutputError):
             write_pair(older, "new")
     assert read_pair(older) in (("old", "old"), ("new", "new"))
+    for version in ("newer", "newest"):
+        write_pair(older, version)
+        assert read_pair(older) == (version, version)
+    assert {path.name for path in older.iterdir()} <= {"a.mhd", "a.raw", named_data_file(older / "a.mhd")}
 
 
 @pytest.mark.parametrize("first", [True, False], ids=["a first pair", "over an older pair"])
@@ -99,54 +85,32 @@ def test_of_two_writers_of_one_pair_one_wins_whole(tmp_path, step, first):
     if not first:
         write_pair(tmp_path, "old")
     with pytest.MonkeyPatch.context() as patched:
-        after_step(patched, step, lambda: write_pair(tmp_path, "other"))
+        at_step(patched, step, lambda: write_pair(tmp_path, "other"), before=False)
         write_pair(tmp_path, "new")
     assert read_pair(tmp_path) in (("other", "other"), ("new", "new"))
 
 
-@pytest.mark.parametrize("step", range(STEPS))
-def test_of_a_pair_that_was_cut_off_the_next_write_leaves_nothing(older, step):
-    with pytest.MonkeyPatch.context() as patched:
-        stop_at(patched, step, KeyboardInterrupt())
-        with contextlib.suppress(KeyboardInterrupt):
-            write_pair(older, "new")
-    write_pair(older, "newest")
-    assert {path.name for path in older.iterdir()} <= {"a.mhd", "a.raw", named_data_file(older / "a.mhd")}
-
-
-def test_of_an_older_pair_nothing_is_left(older):
-    for version in ("new", "newest"):
-        write_pair(older, version)
-        assert read_pair(older) == (version, version)
-        assert {path.name for path in older.iterdir()} == {"a.mhd", named_data_file(older / "a.mhd")}
-
-
 def test_a_failure_before_the_switch_leaves_no_data_file_behind(older, monkeypatch):
-    stop_at(monkeypatch, 1, OSError(28, "full"))
+    at_step(monkeypatch, 1, failing(OSError(28, "full")), before=True)
     with pytest.raises(OutputError, match="disk is full"):
         write_pair(older, "new")
     monkeypatch.undo()
     assert read_pair(older) == ("old", "old")
 
 
-def test_the_name_of_the_data_file_may_have_any_letters(tmp_path):
-    (tmp_path / "a.mhd").write_bytes("NDims = 3\nElementDataFile = \\1 ä%s.raw\n".encode())
-    assert named_data_file(tmp_path / "a.mhd") == "\\1 ä%s.raw"
-
-
-def test_the_data_of_another_header_are_not_replaced(tmp_path):
-    """ITK and Slicer call the data of a.nhdr a.raw, too."""
-    (tmp_path / "a.nhdr").write_text("NRRD0004\ndata file: a.raw\n", encoding="utf-8")
-    (tmp_path / "a.raw").write_text("theirs", encoding="utf-8")
-    write_pair(tmp_path, "new")
-    assert read_pair(tmp_path) == ("new", "new")
-    assert (tmp_path / "a.raw").read_text("utf-8") == "theirs"
-
-
-def test_data_of_another_name_or_place_stay(tmp_path):
+@pytest.mark.parametrize(
+    ("header", "text", "data"),
+    [
+        ("a.nhdr", "NRRD0004\ndata file: a.raw\n", "a.raw"),  # as ITK and Slicer call them, too
+        ("a.mhd", "NDims = 3\nElementDataFile = b/a.raw\n", "b/a.raw"),
+        ("a.mhd", "NDims = 3\nElementDataFile = \\1 ä%s.raw\n", "\\1 ä%s.raw"),
+    ],
+)
+def test_the_data_of_another_header_or_place_are_not_replaced(tmp_path, header, text, data):
     (tmp_path / "b").mkdir()
-    (tmp_path / "b" / "a.raw").write_text("theirs", encoding="utf-8")
-    (tmp_path / "a.mhd").write_text("NDims = 3\nElementDataFile = b/a.raw\n", encoding="utf-8")
+    (tmp_path / header).write_text(text, encoding="utf-8")
+    (tmp_path / data).write_text("theirs", encoding="utf-8")
+    assert header == "a.nhdr" or named_data_file(tmp_path / header) == data
     write_pair(tmp_path, "new")
     assert read_pair(tmp_path) == ("new", "new")
-    assert (tmp_path / "b" / "a.raw").read_text("utf-8") == "theirs"
+    assert (tmp_path / data).read_text("utf-8") == "theirs"

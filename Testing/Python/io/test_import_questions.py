@@ -39,25 +39,30 @@ PROBE = "Probe_x,Probe_y,Probe_z,Probe_qx,Probe_qy,Probe_qz,Probe_qw"
 IMAGE = ImportOptions(transform="ImageToTracker", spacing=(0.2, 0.2))
 
 
+TWO_TOOLS = f"{PROBE},{PROBE.replace('Probe', 'Patient')}"
+COLUMN_MAJOR = "x,y,z,n0,n1,n2,n3,n4,n5,n6,n7,n8".replace("n", "rot")
+
+
 @pytest.mark.parametrize(
-    ("heading", "line", "name", "choices"),
+    ("heading", "line", "name", "choices", "answers"),
     [
-        ("x,y,z,rx,ry,rz", "0,0,{n},0,0,0.{n}", "euler_order", ("xyz", "zyx", "XYZ", "ZYX", "vector")),
-        ("time,x,y,z,qx,qy,qz,qw", "{t},0,0,{n},0,0,0,1", "time_unit", ("s", "ms", "us", "100ns", "ns")),
-        (f"{PROBE},{PROBE.replace('Probe', 'Patient')}", "0,0,{n},0,0,0,1,0,0,0,0,0,0,1", "tool", ("Probe", "Patient")),
-        ("x,y,z,qx,qy,qz,qw,state", "0,0,{n},0,0,0,1,Prima", "status_ok", ("Prima",)),
-        ("x,y,z,n0,n1,n2,n3,n4,n5,n6,n7,n8".replace("n", "rot"), "0,0,{n},1,0,0,0,1,0,0,0,1", "column_major", ("yes", "no")),
-        ("x,y,z,qx,qy,qz,qw", "0,0,0.0{n},0,0,0,1", "units", ("mm", "cm", "m", "in")),
+        ("x,y,z,rx,ry,rz", "0,0,{n},0,0,0.{n}", "euler_order", ("xyz", "zyx", "XYZ", "ZYX", "vector"), {"euler_order": "vector"}),
+        ("time,x,y,z,qx,qy,qz,qw", "{t},0,0,{n},0,0,0,1", "time_unit", ("s", "ms", "us", "100ns", "ns"), {"time_unit": "ms"}),
+        (TWO_TOOLS, "0,0,{n},0,0,0,1,0,0,0,0,0,0,1", "tool", ("Probe", "Patient"), {"tool": "Probe"}),
+        ("x,y,z,qx,qy,qz,qw,state", "0,0,{n},0,0,0,1,Prima", "status_ok", ("Prima",), {"status_ok": "Prima"}),
+        (COLUMN_MAJOR, "0,0,{n},1,0,0,0,1,0,0,0,1", "column_major", ("yes", "no"), {"column_major": "yes"}),
+        ("x,y,z,qx,qy,qz,qw", "0,0,0.0{n},0,0,0,1", "units", ("mm", "cm", "m", "in"), {"units": "m"}),
+        ("x,y,z,A,B,C", "0,0,{n},0,0,90{n}", "angle_unit", ("deg", "rad"), None),
+        ("x,y,z,rotvec_x,rotvec_y,rotvec_z", "0,0,{n},90,0,0", "angle_unit", ("deg", "rad"), None),
     ],
 )
-def test_each_question_names_its_option_and_the_answers_there_are_and_the_answer_goes_on(images, heading, line, name, choices):
+def test_each_question_names_its_option_and_the_answers_there_are_and_the_answer_goes_on(images, heading, line, name, choices, answers):
     poses = table(images, heading, line)
     questions, _words = asked(images, poses, IMAGE)
     assert (questions[0].name, questions[0].choices) == (name, choices)
-    which = {"units": 2, "euler_order": -1}.get(name, 0)
-    answered = replace(IMAGE, **{name: answer(name, choices[which])})
-    if name == "time_unit":
-        answered = replace(IMAGE, time_unit="ms")
+    if answers is None:
+        return
+    answered = replace(IMAGE, **{each: answer(each, said) for each, said in answers.items()})
     if name == "euler_order":
         assert asked(images, poses, answered)[0][0].name == "angle_unit"
         answered = replace(answered, angle_unit="deg")
@@ -73,14 +78,6 @@ def test_images_without_times_beside_more_poses_with_times_ask_for_their_rate(im
     assert [question.name for question in questions] == ["rate"]
     found = import_files([images], poses, replace(IMAGE, rate=answer("rate", "20"))).sequence
     np.testing.assert_allclose([next(iter(r.transforms.values())).matrix[2, 3] for r in found.records], np.arange(12) * 5 / 8, atol=1e-9)
-
-
-def test_a_rigid_pose_of_an_image_asks_for_the_size_of_a_pixel(images):
-    poses = table(images, "x,y,z,qx,qy,qz,qw", "0,0,{n},0,0,0,1")
-    questions, words = asked(images, poses, ImportOptions(transform="ImageToTracker"))
-    assert [question.name for question in questions] == ["spacing"]
-    assert "the size of a pixel is not known" in words
-    np.testing.assert_allclose(answer("spacing", "0.2, 0.3"), (0.2, 0.3))
 
 
 RIGID, TINY = "1 0 0 -32 0 0 -1 12 0 1 0 80 0 0 0 1", "0.0002 0 0 0 0 0.0002 0 0 0 0 0.0002 0 0 0 0 1"
@@ -104,17 +101,20 @@ def test_a_calibration_that_makes_no_image_of_a_probe_is_asked_about(images, mat
     if name is None:
         (calibration,) = import_files([images], poses, options).sequence.transforms.values()
         np.testing.assert_allclose(np.linalg.norm(calibration.matrix[:3, :2], axis=0), 0.2)
-    else:
-        questions, words = asked(images, poses, options)
-        assert questions[0].name == name
-        assert "than any probe sees" in words
+        return
+    questions, words = asked(images, poses, options)
+    assert questions[0].name == name
+    assert "than any probe sees" in words
+    questions, words = asked(images, poses, ImportOptions(transform="ImageToTracker"))
+    assert [question.name for question in questions] == ["spacing"]
+    assert "the size of a pixel is not known" in words
 
 
-@pytest.mark.parametrize(
-    ("heading", "line"), [("x,y,z,A,B,C", "0,0,{n},0,0,90{n}"), ("x,y,z,rotvec_x,rotvec_y,rotvec_z", "0,0,{n},90,0,0")]
-)
-def test_angles_beyond_two_turns_are_asked_about(images, heading, line):
-    assert asked(images, table(images, heading, line), IMAGE)[0][0].name == "angle_unit"
+def test_answers_are_read_and_what_is_none_is_a_sentence():
+    np.testing.assert_allclose(answer("spacing", "0.2, 0.3"), (0.2, 0.3))
+    for name, text in (("spacing", "0.2"), ("spacing", "wide"), ("time_unit", "minutes"), ("rate", "fast")):
+        with pytest.raises(SettingsError, match="must be"):
+            answer(name, text)
 
 
 def test_poses_the_wrong_way_round_contradict_the_images(images):
@@ -138,9 +138,3 @@ def test_poses_the_wrong_way_round_contradict_the_images(images):
     assert "near each other by its inverse, ImageToTracker" in words
     assert "sure" in [question.name for question in questions]
     import_files([images], poses, replace(wrong, sure=True))
-
-
-@pytest.mark.parametrize(("name", "text"), [("spacing", "0.2"), ("spacing", "wide"), ("time_unit", "minutes"), ("rate", "fast")])
-def test_what_is_no_answer_is_a_sentence(name, text):
-    with pytest.raises(SettingsError, match="must be"):
-        answer(name, text)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -36,6 +36,10 @@ IMAGE_TO_REFERENCE = np.array([pose @ IMAGE_TO_PROBE for pose in PROBE_TO_REFERE
 RIGID_IMAGE_TO_REFERENCE = [pose @ np.diag([1 / SPACING[0], 1 / SPACING[1], 1 / 0.45, 1.0]) for pose in IMAGE_TO_REFERENCE]
 
 
+MATRIX = [f"m{r}{c}" for r in range(4) for c in range(4)]
+"""Headings."""
+
+
 def save(path, rows, header=None):
     lines = [",".join(header)] if header else []
     path.write_text("\n".join([*lines, *(",".join(map(str, row)) for row in rows)]))
@@ -44,11 +48,6 @@ def save(path, rows, header=None):
 
 def flat(matrices):
     return [matrix.ravel().tolist() for matrix in matrices]
-
-
-def quaternions(matrices):
-    """w x y z x y z, scalar first."""
-    return [[*np.roll(Rotation.from_matrix(m[:3, :3]).as_quat(), 1).tolist(), *m[:3, 3].tolist()] for m in matrices]
 
 
 @pytest.fixture
@@ -78,83 +77,58 @@ def imported(results, *arguments):
     return read_sequence(results / "sweep.igs.mha")
 
 
-def expected_volume():
-    from dataclasses import replace
-
-    calibrated = replace(SEQUENCE, transforms={TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)})
-    return reconstruct(calibrated, ReconstructionSettings(spacing=1.0)).intensity
+def asked(capsys, results, *arguments) -> str:
+    """What an import is refused with."""
+    return refused(["import", *arguments, "--output", results / "s.mha"], capsys, results)
 
 
 def test_exported_pictures_and_poses_give_the_same_volume(tmp_path, results, calibration):
     folder = pictures(tmp_path / "frames", SEQUENCE.images)
     poses = save(tmp_path / "poses.csv", [[t, *row] for t, row in zip(TIMES, flat(PROBE_TO_REFERENCE))])
     sequence = imported(results, folder, "--poses", poses, "--transform", "ProbeToReference", "--calibration", calibration)
-    found, expected = reconstruct(sequence, ReconstructionSettings(spacing=1.0)).intensity, expected_volume()
+    calibrated = replace(SEQUENCE, transforms={TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)})
+    found, expected = (reconstruct(each, ReconstructionSettings(spacing=1.0)).intensity for each in (sequence, calibrated))
     np.testing.assert_allclose(found.ijk_to_reference, expected.ijk_to_reference, atol=1e-9)
     np.testing.assert_array_equal(found.array, expected.array)
 
 
-def write_poses(tmp_path, how):
-    """A file of the recording's poses in one of many ways, and the options that say which."""
-    inverse = [np.linalg.inv(m) for m in PROBE_TO_REFERENCE]
-    if how == "image to reference, pixels":
-        return save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE)), ["--transform", "ImageToReference"]
-    if how == "image to reference, mm":
-        options = ["--transform", "ImageToReference", "--spacing", *SPACING]
-        return save(tmp_path / "p.csv", flat(RIGID_IMAGE_TO_REFERENCE)), options
-    if how == "image to reference, mm, from the middle of the image":
-        shifted = [m @ rigid(translation=(20 * SPACING[0], 15 * SPACING[1], 0)) for m in RIGID_IMAGE_TO_REFERENCE]
-        options = ["--transform", "ImageToReference", "--spacing", *SPACING, "--image-origin-px", 20, 15]
-        return save(tmp_path / "p.csv", flat(shifted)), options
-    if how == "reference to image, mm":
-        options = ["--transform", "ReferenceToImage", "--spacing", *SPACING]
-        return save(tmp_path / "p.csv", flat([np.linalg.inv(m) for m in RIGID_IMAGE_TO_REFERENCE])), options
-    if how == "image to reference, meters":
-        meters = [np.diag([1e-3, 1e-3, 1e-3, 1]) @ m for m in IMAGE_TO_REFERENCE]
-        return save(tmp_path / "p.csv", flat(meters)), ["--transform", "ImageToReference", "--units", "m"]
-    if how == "reference to probe":
-        return save(tmp_path / "p.csv", flat(inverse)), ["--transform", "ReferenceToProbe"]
-    if how == "probe, quaternions in meters":
-        rows = [[*row[:4], *(v / 1000 for v in row[4:])] for row in quaternions(PROBE_TO_REFERENCE)]
-        return save(tmp_path / "p.csv", rows), ["--columns", "qw qx qy qz x y z", "--units", "m", "--transform", "ProbeToReference"]
-    if how == "probe, Euler angles":
-        rows = [[*m[:3, 3].tolist(), *Rotation.from_matrix(m[:3, :3]).as_euler("ZYX").tolist()] for m in PROBE_TO_REFERENCE]
-        options = ["--euler-order", "ZYX", "--angle-unit", "rad", "--transform", "ProbeToReference"]
-        return save(tmp_path / "p.txt", rows), options
-    (tmp_path / "p.json").write_text(json.dumps({"frames": [{"matrix": m.tolist(), "time": t} for t, m in zip(TIMES, PROBE_TO_REFERENCE)]}))
-    return tmp_path / "p.json", ["--transform", "ProbeToReference"]
+IMAGE, SIZE = ["--transform", "ImageToReference"], ["--spacing", *SPACING]
+FROM_MIDDLE = [m @ rigid(translation=(20 * SPACING[0], 15 * SPACING[1], 0)) for m in RIGID_IMAGE_TO_REFERENCE]
+WAYS = {
+    "image to reference, pixels": (flat(IMAGE_TO_REFERENCE), IMAGE),
+    "image to reference, mm": (flat(RIGID_IMAGE_TO_REFERENCE), [*IMAGE, *SIZE]),
+    "image to reference, from the middle": (flat(FROM_MIDDLE), [*IMAGE, *SIZE, "--image-origin-px", 20, 15]),
+    "reference to image": (flat(map(np.linalg.inv, RIGID_IMAGE_TO_REFERENCE)), ["--transform", "ReferenceToImage", *SIZE]),
+    "image to reference, meters": (flat(np.diag([1e-3, 1e-3, 1e-3, 1]) @ IMAGE_TO_REFERENCE), [*IMAGE, "--units", "m"]),
+    "reference to probe": (flat(map(np.linalg.inv, PROBE_TO_REFERENCE)), ["--transform", "ReferenceToProbe"]),
+    "probe, quaternions in meters": (
+        [[*np.roll(Rotation.from_matrix(m[:3, :3]).as_quat(), 1), *(m[:3, 3] / 1000)] for m in PROBE_TO_REFERENCE],
+        ["--columns", "qw qx qy qz x y z", "--units", "m", "--transform", "ProbeToReference"],
+    ),
+    "probe, Euler angles": (
+        [[*m[:3, 3], *Rotation.from_matrix(m[:3, :3]).as_euler("ZYX")] for m in PROBE_TO_REFERENCE],
+        ["--euler-order", "ZYX", "--angle-unit", "rad", "--transform", "ProbeToReference"],
+    ),
+}
+"""The recording's poses in many ways, and the options that say which."""
 
 
-@pytest.mark.parametrize(
-    "how",
-    [
-        "image to reference, pixels",
-        "image to reference, mm",
-        "image to reference, mm, from the middle of the image",
-        "reference to image, mm",
-        "image to reference, meters",
-        "reference to probe",
-        "probe, quaternions in meters",
-        "probe, Euler angles",
-        "probe, JSON",
-    ],
-)
+@pytest.mark.parametrize("how", WAYS)
 def test_every_way_to_write_poses_puts_the_pixels_in_the_same_place(tmp_path, results, frames, calibration, how):
-    poses, options = write_poses(tmp_path, how)
-    if "probe" in how:
-        options += ["--calibration", calibration]
-    sequence = imported(results, frames, "--poses", poses, *options)
+    rows, options = WAYS[how]
+    more = ["--calibration", calibration] if "probe" in how else []
+    sequence = imported(results, frames, "--poses", save(tmp_path / "p.csv", rows), *options, *more)
     found = sweep_poses(sequence).image_to_reference
     for pixel in ((0, 0, 0, 1), (39, 0, 0, 1), (0, 29, 0, 1), (12, 17, 0, 1)):
         np.testing.assert_allclose(found @ pixel, IMAGE_TO_REFERENCE @ pixel, atol=1e-8)
 
 
-def test_poses_are_paired_by_the_names_of_their_images(tmp_path, results):
+def test_poses_are_paired_by_the_names_of_their_images_and_rows_without_one_are_poses_of_none(tmp_path, results):
     folder = pictures(tmp_path / "frames", SEQUENCE.images)
     rows = [[f"somewhere/else/{n}.png", TIMES[n], *flat(IMAGE_TO_REFERENCE)[n]] for n in (5, 0, 3, 1, 2)]
-    poses = save(tmp_path / "p.csv", rows, ["image", "time", *(f"m{r}{c}" for r in range(4) for c in range(4))])
-    sequence = imported(results, folder, "--poses", poses, "--transform", "ImageToReference")
-    found = sweep_poses(sequence)
+    rows = [["", *rows[0][1:]], *rows, ["", *rows[-1][1:]]]
+    poses = save(tmp_path / "p.csv", rows, ["image", "time", *MATRIX])
+    found = sweep_poses(imported(results, folder, "--poses", poses, *IMAGE))
     assert found.skipped() == {"ImageToReference MISSING": [4]}
     np.testing.assert_allclose(found.image_to_reference[3], IMAGE_TO_REFERENCE[3], atol=1e-12)
 
@@ -184,83 +158,55 @@ def zoomed(tmp_path):
     return tmp_path / "zoomed"
 
 
-def named_poses(path, names):
-    rows = [[*pose.ravel()[:12].tolist(), name] for pose, name in zip(RIGID_IMAGE_TO_REFERENCE, names)]
-    return save(path, rows, [*(f"m{r}{c}" for r in range(3) for c in range(4)), "image"])
-
-
-def test_files_of_two_sizes_of_a_pixel_are_refused_with_both_and_the_option(tmp_path, results, zoomed, capsys):
-    poses = named_poses(tmp_path / "p.csv", ("1.dcm", "0.dcm"))
-    arguments = ["import", zoomed, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"]
-    assert "not known: 0.dcm says 0.2 x 0.2 mm, 1.dcm says 0.4 x 0.4 mm. Give --spacing X Y in mm" in refused(arguments, capsys, results)
-
-
-def test_a_size_that_is_given_and_names_of_images_place_what_files_leave_open(tmp_path, results, zoomed):
-    poses = named_poses(tmp_path / "p.csv", ("1.dcm", "0.dcm"))
-    sequence = imported(results, zoomed, "--poses", poses, "--transform", "ImageToReference", "--spacing", *SPACING)
-    np.testing.assert_allclose(sweep_poses(sequence).image_to_reference[:, :3, :2], IMAGE_TO_REFERENCE[[1, 0], :3, :2], atol=1e-6)
-
-
-def test_images_whose_order_is_not_known_are_not_paired_in_order(tmp_path, results, zoomed, capsys):
-    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE[:2]))
-    arguments = ["import", zoomed, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"]
-    said = refused(arguments, capsys, results)
+def test_a_size_that_is_given_and_names_of_images_place_what_files_leave_open(tmp_path, results, zoomed, capsys):
+    unnamed = save(tmp_path / "unnamed.csv", flat(IMAGE_TO_REFERENCE[:2]))
+    said = asked(capsys, results, zoomed, "--poses", unnamed, *IMAGE)
     assert "order of the images is not known: InstanceNumber is missing, or occurs more than once. Name the image of each" in said
+    rows = [[*pose.ravel(), name] for pose, name in zip(RIGID_IMAGE_TO_REFERENCE, ("1.dcm", "0.dcm"))]
+    poses = save(tmp_path / "p.csv", rows, [*MATRIX, "image"])
+    said = asked(capsys, results, zoomed, "--poses", poses, *IMAGE)
+    assert "not known: 0.dcm says 0.2 x 0.2 mm, 1.dcm says 0.4 x 0.4 mm. Give --spacing X Y in mm" in said
+    found = sweep_poses(imported(results, zoomed, "--poses", poses, *IMAGE, *SIZE)).image_to_reference
+    np.testing.assert_allclose(found[:, :3, :2], IMAGE_TO_REFERENCE[[1, 0], :3, :2], atol=1e-6)
 
 
 def test_pictures_stored_mirrored_are_turned(tmp_path, results):
     np.save(tmp_path / "frames.npy", np.asarray(SEQUENCE.images)[:, :, ::-1])
-    poses, options = write_poses(tmp_path, "image to reference, pixels")
-    sequence = imported(results, tmp_path / "frames.npy", "--poses", poses, *options, "--orientation", "UF")
+    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE))
+    sequence = imported(results, tmp_path / "frames.npy", "--poses", poses, *IMAGE, "--orientation", "UF")
     np.testing.assert_array_equal(sequence.images[3], SEQUENCE.images[3])
 
 
 @pytest.mark.parametrize(
     ("how", "options", "message"),
     [
-        ("image to reference, mm", ["--transform", "ImageToReference"], "size of a pixel is not known. Give --spacing X Y"),
-        ("image to reference, pixels", ["--transform", "ImageToReference", "--spacing", "1", "1"], "hold the size of a pixel already"),
-        ("image to reference, pixels", ["--transform", "ImageToReference", "--calibration", "CAL"], "no calibration to apply"),
-        ("image to reference, pixels", ["--transform", "ProbeToReference"], "Pose 0 must be a rotation and a translation; it is not rigid"),
-        ("reference to probe", ["--transform", "Probe"], "must be FromToTo"),
-        ("reference to probe", ["--transform", "ProbeToTracker", "--spacing", "1", "1"], "does not say where the image lies in Probe"),
-        ("reference to probe", ["--transform", "ProbeToTracker", "--spacing", "0", "1"], "spacing must be at least 1e-06"),
-        ("reference to probe", ["--transform", "ProbeToTracker", "--rate", "-5"], "rate must be at least 1e-06"),
-        ("reference to probe", ["--transform", "ProbeToTracker", "--orientation", "up"], "orientation must be MF, MN, UF or UN"),
-        ("reference to probe", ["--transform", "ProbeToTracker", "--euler-order", "abc"], "three axes"),
-        (
-            "reference to probe",
-            ["--transform", "NeedleToTracker", "--calibration", "ImageToProbe=CAL"],
-            "must lead from Image to Needle or",
-        ),
-        (
-            "reference to probe",
-            ["--transform", "ProbeToTracker", "--calibration", "CAL", "--spacing", "1", "1"],
-            "calibration holds the size",
-        ),
+        ("image to reference, mm", "ImageToReference", "size of a pixel is not known. Give --spacing X Y"),
+        ("image to reference, pixels", "ImageToReference --spacing 1 1", "hold the size of a pixel already"),
+        ("image to reference, pixels", "ImageToReference --calibration CAL", "no calibration to apply"),
+        ("image to reference, pixels", "ProbeToReference", "Pose 0 must be a rotation and a translation; it is not rigid"),
+        ("reference to probe", "Probe", "must be FromToTo"),
+        ("reference to probe", "ProbeToTracker --spacing 1 1", "does not say where the image lies in Probe"),
+        ("reference to probe", "ProbeToTracker --spacing 0 1", "spacing must be at least 1e-06"),
+        ("reference to probe", "ProbeToTracker --rate -5", "rate must be at least 1e-06"),
+        ("reference to probe", "ProbeToTracker --orientation up", "orientation must be MF, MN, UF or UN"),
+        ("reference to probe", "ProbeToTracker --euler-order abc", "three axes"),
+        ("reference to probe", "NeedleToTracker --calibration ImageToProbe=CAL", "must lead from Image to Needle or"),
+        ("reference to probe", "ProbeToTracker --calibration CAL --spacing 1 1", "calibration holds the size"),
     ],
 )
 def test_what_does_not_fit_is_explained(tmp_path, results, frames, calibration, capsys, how, options, message):
-    poses, _ = write_poses(tmp_path, how)
-    options = [word.replace("CAL", str(calibration)) for word in options]
-    said = refused(["import", frames, "--poses", poses, *options, "--output", results / "s.mha"], capsys, results)
-    assert re.search(message, said)
+    poses = save(tmp_path / "p.csv", WAYS[how][0])
+    words = f"--transform {options}".replace("CAL", str(calibration)).split()
+    assert re.search(message, asked(capsys, results, frames, "--poses", poses, *words))
 
 
-def test_a_damaged_picture_leaves_nothing_behind(tmp_path, results, capsys):
-    folder = pictures(tmp_path / "frames", SEQUENCE.images)
-    (folder / "4.png").write_bytes((folder / "4.png").read_bytes()[:200])
-    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE))
-    said = refused(["import", folder, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"], capsys, results)
-    assert "4.png" in said
-
-
-def test_two_images_of_one_name_are_not_given_one_pose(tmp_path, results, capsys):
+def test_pictures_that_are_damaged_or_of_one_name_are_named(tmp_path, results, capsys):
     folders = [pictures(tmp_path / name, np.asarray(SEQUENCE.images)[:2]) for name in "ab"]
     rows = [[f"{n}.png", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE)[:2])]
-    poses = save(tmp_path / "p.csv", rows, header=["image", *(f"m{i}{j}" for i in range(4) for j in range(4))])
-    words = ["import", *folders, "--poses", poses, "--transform", "ImageToReference", "-o", results / "x.mha"]
-    assert "Two of the images are called 0.png" in refused(words, capsys, results)
+    poses = save(tmp_path / "p.csv", rows, ["image", *MATRIX])
+    assert "Two of the images are called 0.png" in asked(capsys, results, *folders, "--poses", poses, *IMAGE)
+    (folders[0] / "1.png").write_bytes((folders[0] / "1.png").read_bytes()[:200])
+    assert "1.png" in asked(capsys, results, folders[0], "--poses", poses, *IMAGE)
 
 
 COLUMNS = ["time", "x", "y", "z", "qx", "qy", "qz", "qw"]
@@ -272,68 +218,82 @@ def moving(count=12, step=0.05, speed=20.0, start=0.0):
 
 
 @pytest.fixture
-def twelve(tmp_path):
+def twelve(tmp_path, monkeypatch):
+    """Twelve images, in the current folder."""
+    monkeypatch.chdir(tmp_path)
     np.save(tmp_path / "twelve.npy", np.random.default_rng(1).integers(0, 255, (12, 24, 32), np.uint8))
     return tmp_path / "twelve.npy"
 
 
+NS = "unit of the times .column time. is not known: in seconds, poses would be 50 s apart. Give --time"
+TWO_TOOLS = ["time", *(f"{tool}_{name}" for tool in ("probe", "ref") for name in COLUMNS[1:])]
+
+
 @pytest.mark.parametrize(
-    ("header", "rows", "message"),
+    ("header", "rows", "options", "message"),
     [
-        (COLUMNS, moving(speed=3000.0), "moves at 3 m/s, in the median.*--sure"),
-        (COLUMNS, moving(speed=0.001), "move by 0.00055 mm in all. If they are in meters, give --units m"),
-        (COLUMNS, moving(speed=0.0), "never moves: all poses are the same.*--sure"),
-        (
-            COLUMNS,
-            moving(step=50.0, speed=0.02),
-            "unit of the times .column time. is not known: in seconds, poses would be 50 s apart. Give --time",
-        ),
-        (["time_s", *COLUMNS[1:]], moving(step=50.0, speed=0.02), "Poses are 50 s apart"),
-        ([*COLUMNS, "stamp"], [[*row, row[0]] for row in moving()], r"2 columns can be the time: time .column 1., stamp .column 9."),
-        ([*COLUMNS, "tx"], [[*row, row[1]] for row in moving()], r"2 columns mean x: x .column 2., tx .column 9."),
-        ([*COLUMNS, "status"], [[*row, "zzz"] for row in moving()], 'column status says of a pose is not known: zzz. .*--status-ok "zzz"'),
-        ([*COLUMNS, "status"], [[*row, 0] for row in moving()], "not known: 0"),
-        (
-            ["time", *(f"{tool}_{name}" for tool in ("probe", "ref") for name in COLUMNS[1:])],
-            [[*row, *row[1:]] for row in moving()],
-            "poses of 2 tools side by side: probe, ref. .*--tool",
-        ),
+        (COLUMNS, moving(speed=3000.0), "", "moves at 3 m/s, in the median.*--sure"),
+        (COLUMNS, moving(speed=0.001), "", "move by 0.00055 mm in all. If they are in meters, give --units m"),
+        (COLUMNS, moving(speed=0.0), "", "never moves: all poses are the same.*--sure"),
+        (COLUMNS, moving(step=50.0, speed=0.02), "", NS),
+        (["time_s", *COLUMNS[1:]], moving(step=50.0, speed=0.02), "", "Poses are 50 s apart"),
+        ([*COLUMNS, "stamp"], [[*row, row[0]] for row in moving()], "", r"the time: time .column 1., stamp .column 9."),
+        ([*COLUMNS, "tx"], [[*row, row[1]] for row in moving()], "", r"2 columns mean x: x .column 2., tx .column 9."),
+        ([*COLUMNS, "status"], [[*row, "zzz"] for row in moving()], "", 'of a pose is not known: zzz. .*--status-ok "zzz"'),
+        (TWO_TOOLS, [[*row, *row[1:]] for row in moving()], "", "poses of 2 tools side by side: probe, ref. .*--tool"),
+        (COLUMNS, moving(count=60), "--rate 20 --time-offset auto", "give the calibration with --calibration"),
+        (COLUMNS, moving(count=60), "--times two.csv", "as many times as images; got 2 times for 12 images"),
+        (COLUMNS, moving(count=60), "--times none.csv", "a column 'time'"),
+        (COLUMNS, moving(count=60), "--times empty.csv", "'time'"),
     ],
 )
-def test_what_no_hand_does_and_what_can_be_two_things_is_asked(tmp_path, results, twelve, capsys, header, rows, message):
-    poses = save(tmp_path / "p.csv", header=header, rows=rows)
-    said = refused(["import", twelve, "--poses", poses, "--transform", "ProbeToTracker", "-o", results / "s.mha"], capsys, results)
+def test_what_no_hand_does_and_what_can_be_two_things_is_asked(results, twelve, capsys, header, rows, options, message):
+    for name, text in (("two", "time\n0\n1\n"), ("none", "a,b\n1,2\n"), ("empty", "")):
+        twelve.with_name(f"{name}.csv").write_text(text)
+    poses = save(twelve.with_name("p.csv"), header=header, rows=rows)
+    said = asked(capsys, results, twelve, "--poses", poses, "--transform", "ProbeToTracker", *options.split())
     assert re.search(message, said)
+    assert "config=" not in said
 
 
-def test_poses_that_the_tracker_lost_are_not_judged(tmp_path, results, twelve):
-    rows = [[*row, "OK"] if n % 2 else [row[0], *[0] * 7, "MISSING"] for n, row in enumerate(moving())]
-    poses = save(tmp_path / "p.csv", header=[*COLUMNS, "status"], rows=rows)
-    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker")
-
-
-def test_who_is_sure_gets_what_he_asks_for_and_the_doubt(tmp_path, results, twelve, capsys):
+def test_who_is_sure_gets_what_he_asks_for_and_poses_that_the_tracker_lost_are_not_judged(tmp_path, results, twelve, capsys):
     poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(speed=3000.0))
     imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--sure")
     assert "doubt: The tool moves at 3 m/s" in capsys.readouterr().out
+    rows = [[*row, "OK"] if n % 2 else [row[0], *[0] * 7, "MISSING"] for n, row in enumerate(moving())]
+    save(poses, header=[*COLUMNS, "status"], rows=rows)
+    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker")
 
 
 def places(sequence):
     return np.array([record.transforms[TransformName("Probe", "Tracker")].matrix[0, 3] for record in sequence.records])
 
 
-def test_equal_numbers_do_not_outvote_clocks_that_disagree(tmp_path, results, twelve):
-    """12 images at 20 a second, 12 poses at 10 a second: frame 2 was taken at the second pose."""
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(step=0.1))
-    sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
-    np.testing.assert_allclose(places(sequence), 10 + 20 * 0.05 * np.arange(12), atol=1e-9)
-    assert [record.timestamp for record in sequence.records] == pytest.approx([0.05 * n for n in range(12)])
+PAUSE = "the images last 0.6 s at 20 a second, the poses 3.0 s. If the images paused, give --times FILE instead of --rate."
+OTHER_CLOCK = "images and poses count from different moments; the images were taken to begin {} s after the poses"
+LATE = 1_700_000_000.0
 
 
-def test_a_rate_pairs_images_with_more_poses_by_time(tmp_path, results, twelve):
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.01))
-    sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
-    np.testing.assert_allclose(places(sequence), 10 + 20 * 0.05 * np.arange(12), atol=1e-9)
+@pytest.mark.parametrize(
+    ("rows", "offset", "said"),
+    [
+        (moving(step=0.1), 0.0, ""),  # as many poses as images, but frame 2 was taken at the second pose
+        (moving(count=60, step=0.01), 0.0, ""),
+        (moving(count=60, step=0.02), 0.0, "both count from 0"),
+        (moving(count=60), 0.0, PAUSE),
+        (moving(count=60), 1.025, ""),
+        (moving(start=LATE), 0.0, ""),
+        (moving(count=60, start=LATE), 0.0, OTHER_CLOCK.format(0)),
+        (moving(count=60, start=LATE), 0.5, OTHER_CLOCK.format(0.5)),
+    ],
+)
+def test_a_rate_pairs_images_with_poses_by_time(tmp_path, results, twelve, capsys, rows, offset, said):
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=rows)
+    how = ["--transform", "ProbeToTracker", "--rate", 20, "--time-offset", offset]
+    sequence = imported(results, twelve, "--poses", poses, *how)
+    np.testing.assert_allclose(places(sequence), 10 + 20 * (offset + 0.05 * np.arange(12)), atol=1e-4)
+    np.testing.assert_allclose(np.diff([record.timestamp for record in sequence.records]), 0.05, atol=1e-6)
+    assert said in " ".join(capsys.readouterr().out.split())
 
 
 PAUSED = np.r_[0.0:0.3:0.05, 1.8:2.1:0.05][:12]
@@ -350,42 +310,6 @@ def test_images_that_paused_have_the_times_of_a_table(tmp_path, results, twelve,
     np.testing.assert_allclose(places(sequence), 10 + 20 * PAUSED, atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("time\n0\n1\n", "There must be as many times as images; got 2 times for 12 images"),
-        ("a,b\n1,2\n", "a column 'time'"),
-        ("", "'time'"),
-    ],
-)
-def test_times_that_do_not_fit_are_refused(tmp_path, results, twelve, capsys, text, message):
-    (tmp_path / "times.csv").write_text(text)
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.05))
-    words = ["import", twelve, "--poses", poses, "--transform", "ProbeToTracker", "--times", tmp_path / "times.csv"]
-    assert message in refused([*words, "--output", results / "s.mha"], capsys, results)
-
-
-def test_images_at_a_rate_that_last_less_than_the_poses_are_told(tmp_path, results, twelve, capsys):
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.05))
-    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
-    out = " ".join(capsys.readouterr().out.split())
-    assert "the images last 0.6 s at 20 a second, the poses 3.0 s. If the images paused, give --times FILE instead of --rate." in out
-
-
-def test_rows_without_an_image_are_poses_of_none(tmp_path, results):
-    folder = pictures(tmp_path / "frames", SEQUENCE.images)
-    of_images = [[f"{n}.png", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE))]
-    rows = [["", *of_images[0][1:]], *of_images, ["", *of_images[-1][1:]]]
-    poses = save(tmp_path / "p.csv", rows, ["image", *(f"m{r}{c}" for r in range(4) for c in range(4))])
-    assert len(imported(results, folder, "--poses", poses, "--transform", "ImageToReference")) == len(SEQUENCE)
-
-
-def test_clocks_that_began_at_other_times_are_in_step(tmp_path, results, twelve):
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(start=1_700_000_000.0))
-    sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
-    assert sequence.records[1].timestamp == pytest.approx(1_700_000_000.05)
-
-
 def test_the_marker_on_the_patient_is_the_reference(tmp_path, results, twelve, calibration, capsys):
     """Probe and patient move together in the tracker: in Reference the probe stands still but for its own 20 mm/s."""
     sway = [rigid((0.0, 2.0 * n, 5.0), (3.0 * n, -n, 0.0)) for n in range(12)]
@@ -399,29 +323,6 @@ def test_the_marker_on_the_patient_is_the_reference(tmp_path, results, twelve, c
     expected = [rigid(translation=(n, 20.0, 30.0)) @ IMAGE_TO_PROBE for n in range(12)]
     np.testing.assert_allclose(found, expected, atol=1e-9)
     assert "--reference" not in capsys.readouterr().out.split("to reconstruct:")[1]
-
-
-def test_images_that_began_later_get_the_poses_of_their_moment(tmp_path, results, twelve):
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.05))
-    options = ["--transform", "ProbeToTracker", "--rate", 20, "--time-offset", 1.025]
-    sequence = imported(results, twelve, "--poses", poses, *options)
-    np.testing.assert_allclose(places(sequence), 10 + 20 * (1.025 + 0.05 * np.arange(12)), atol=1e-9)
-
-
-@pytest.mark.parametrize("offset", [0.0, 0.5])
-def test_a_clock_of_another_zero_begins_with_the_images_and_that_is_said(tmp_path, results, twelve, capsys, offset):
-    rows = [[1_700_000_000.0 + float(row[0]), *row[1:]] for row in moving(count=60, step=0.05)]
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=rows)
-    sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20, "--time-offset", offset)
-    np.testing.assert_allclose(places(sequence), 10 + 20 * (offset + 0.05 * np.arange(12)), atol=1e-4)
-    began = f"the images were taken to begin {offset:g} s after the poses"
-    assert f"images and poses count from different moments; {began}" in capsys.readouterr().out
-
-
-def test_images_at_a_rate_and_poses_from_zero_are_told(tmp_path, results, twelve, capsys):
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.02))
-    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
-    assert "both count from 0" in capsys.readouterr().out
 
 
 def test_a_tool_that_is_not_used_may_be_a_marker_on_the_patient(tmp_path, results, twelve, capsys):
@@ -440,7 +341,7 @@ def exported(tmp_path, sweep):
     np.save(tmp_path / "a.npy", np.asarray(sweep.images))
     matrices = [record.transforms[TransformName("Image", "Reference")].matrix for record in sweep.records]
     rows = [[0.05 * n, *matrix.ravel()] for n, matrix in enumerate(matrices)]
-    return tmp_path / "a.npy", save(tmp_path / "p.csv", rows, ["time", *(f"m{i}{j}" for i in range(4) for j in range(4))])
+    return tmp_path / "a.npy", save(tmp_path / "p.csv", rows, ["time", *MATRIX])
 
 
 def test_an_offset_that_is_asked_for_is_found_and_applied_in_the_same_run(tmp_path, results, capsys):
@@ -462,14 +363,6 @@ def test_an_offset_that_a_sweep_does_not_tell_is_told_by_where_tool_and_images_b
     capsys.readouterr()
     assert main(["info", str(results / "sweep.igs.mha"), "--reference", "Tracker"]) == 0
     assert "after the images begin to change. If that is one movement, give --time-offset 1." in " ".join(capsys.readouterr().out.split())
-
-
-def test_an_offset_is_not_sought_without_a_calibration_and_that_is_said_in_options(tmp_path, results, twelve, capsys):
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.02))
-    words = ["import", twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20, "--time-offset", "auto"]
-    said = refused([*words, "--output", results / "s.igs.mha"], capsys, results)
-    assert "give the calibration with --calibration" in said
-    assert "config=" not in said
 
 
 def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):

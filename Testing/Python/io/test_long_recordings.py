@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import tracemalloc
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,26 +37,27 @@ def recording(request, tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("engine", ["numpy", "auto"])
-def test_a_recording_takes_no_more_memory_than_a_few_of_its_images(recording, engine):
-    sequence = read_sequence(recording)
-    # Filling takes memory by the size of the volume, not of the recording
-    settings = ReconstructionSettings(method="average", engine=engine, hole_limit=0.0)
-    reconstruct(sequence, replace(settings, clip_px=(0,) * 4), grid=GRID)
+@contextlib.contextmanager
+def at_most(bytes_held: float):
+    """What Python holds meanwhile."""
     tracemalloc.start()
     try:
-        reconstruct(sequence, replace(settings, clip_px=(0,) * 4), grid=GRID)
-        peak = tracemalloc.get_traced_memory()[1]
+        yield
+        assert tracemalloc.get_traced_memory()[1] < bytes_held
     finally:
         tracemalloc.stop()
-    assert peak < 0.6 * FRAMES * ROWS * COLUMNS
 
 
-def test_a_file_gives_the_volume_of_the_images_in_memory(recording):
-    settings = ReconstructionSettings(method="average")
-    theirs = reconstruct(sweep(), replace(settings, clip_px=(0,) * 4), grid=GRID)
-    ours = reconstruct(read_sequence(recording), replace(settings, clip_px=(0,) * 4), grid=GRID)
-    np.testing.assert_array_equal(ours.intensity.array, theirs.intensity.array)
+@pytest.mark.parametrize("engine", ["numpy", "auto"])
+def test_a_recording_takes_no_more_memory_than_a_few_of_its_images_and_gives_the_volume_of_those_in_memory(recording, engine):
+    sequence = read_sequence(recording)
+    # Filling takes memory by the size of the volume, not of the recording
+    settings = ReconstructionSettings(method="average", engine=engine, hole_limit=0.0, clip_px=(0,) * 4)
+    theirs, first = (reconstruct(each, settings, grid=GRID) for each in (sweep(), sequence))
+    with at_most(0.6 * FRAMES * ROWS * COLUMNS):
+        ours = reconstruct(sequence, settings, grid=GRID)
+    for volume in (first, ours):
+        np.testing.assert_array_equal(volume.intensity.array, theirs.intensity.array)
 
 
 def test_canceling_in_the_middle_stops_the_reading(recording):
@@ -90,17 +91,8 @@ def tracked_by_ten_tools(count: int) -> TrackedSequence:
     return TrackedSequence(np.zeros((count, 2, 2), np.uint8), [record(number) for number in range(count)], {"Patient": "P1"})
 
 
-def peak_of(work) -> int:
-    """Bytes that Python holds at most while it works."""
-    tracemalloc.start()
-    try:
-        work()
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
-
-
 @pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
 def test_a_long_recording_is_written_frame_by_frame(tmp_path, suffix):
     sequence = tracked_by_ten_tools(300)
-    assert peak_of(lambda: write_sequence(sequence, tmp_path / f"long{suffix}")) < 1e6
+    with at_most(1e6):
+        write_sequence(sequence, tmp_path / f"long{suffix}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -88,20 +87,14 @@ def test_frames_that_the_tracker_did_not_see_have_no_pose(tmp_path):
 )
 def test_an_acquisition_that_is_not_whole_says_what_is_missing(tmp_path, damage, message):
     folder = acquisition(tmp_path / "a")
-    damage(folder / "US-Acq_1_20260101T120000_Probe")
+    base = folder / "US-Acq_1_20260101T120000_Probe"
+    with pytest.raises(SequenceFormatError, match=r"one frame of an acquisition of CustusX\. Give the folder, or US-Acq_1.*\.fts"):
+        read_sequence(f"{base}_0.mhd")
+    with pytest.raises(FileFormatError, match="this is an acquisition of CustusX, which holds images and their poses"):
+        open_images([folder])
+    damage(base)
     with pytest.raises(SequenceFormatError, match=message):
         read_sequence(folder)
-
-
-def test_one_frame_of_an_acquisition_is_not_taken_for_a_recording(tmp_path):
-    frame = acquisition(tmp_path / "a") / "US-Acq_1_20260101T120000_Probe_0.mhd"
-    with pytest.raises(SequenceFormatError, match=r"one frame of an acquisition of CustusX\. Give the folder, or US-Acq_1.*\.fts"):
-        read_sequence(frame)
-
-
-def test_what_is_a_recording_already_is_not_imported(tmp_path):
-    with pytest.raises(FileFormatError, match="this is an acquisition of CustusX, which holds images and their poses"):
-        open_images([acquisition(tmp_path / "a")])
 
 
 @pytest.mark.parametrize(("suffixes", "what", "way"), UNREAD)
@@ -115,29 +108,18 @@ def test_what_is_known_and_not_read_is_named_with_the_way_that_there_is(tmp_path
 # ---- archives of NumPy
 
 
+COLORS = np.asfortranarray(np.repeat(IMAGES[..., None], 3, axis=3))
+
+
 @pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
-def test_an_archive_of_arrays_is_a_recording(tmp_path, save):
-    save(tmp_path / "a.npz", images=IMAGES, image_to_reference=POSES, spacing=SPACING, timestamps=np.arange(COUNT) / 20)
+@pytest.mark.parametrize("told", [{"image_to_reference": POSES, "spacing": SPACING}, {"image_to_reference": POSES @ TO_MM}])
+@pytest.mark.parametrize("images", [IMAGES, COLORS], ids=["gray", "colors in another order"])
+def test_an_archive_of_arrays_is_a_recording(tmp_path, save, told, images):
+    save(tmp_path / "a.npz", images=images, timestamps=np.arange(COUNT) / 20, **told)
     sequence = read_sequence(tmp_path / "a.npz")
     np.testing.assert_array_equal(np.asarray(sequence.images), IMAGES)
     np.testing.assert_allclose(sweep_poses(sequence).image_to_reference, POSES @ TO_MM)
     np.testing.assert_allclose(sequence.timestamps, np.arange(COUNT) / 20)
-
-
-def test_colors_and_other_orders_of_an_archive_are_read(tmp_path):
-    colors = np.asfortranarray(np.repeat(IMAGES[..., None], 3, axis=3))
-    np.savez(tmp_path / "a.npz", images=colors, image_to_reference=POSES @ TO_MM)
-    np.testing.assert_array_equal(np.asarray(read_sequence(tmp_path / "a.npz").images), IMAGES)
-
-
-def edited(path: Path, name: str, edit) -> None:
-    """An archive with one member changed."""
-    with zipfile.ZipFile(path) as archive:
-        members = {info.filename: archive.read(info) for info in archive.infolist()}
-    members[name] = edit(members[name])
-    with zipfile.ZipFile(path, "w") as archive:
-        for member, data in members.items():
-            archive.writestr(member, data)
 
 
 @pytest.mark.parametrize(
@@ -156,18 +138,20 @@ def test_an_archive_that_is_no_recording_says_why(tmp_path, arrays, message):
         read_sequence(tmp_path / "a.npz")
 
 
-def test_an_array_that_promises_more_than_the_archive_holds_is_refused(tmp_path):
-    np.savez(tmp_path / "a.npz", images=IMAGES, image_to_reference=POSES @ TO_MM)
-    edited(
-        tmp_path / "a.npz", "images.npy", lambda data: data.replace(b"(6, 12, 17)", b"(99999999, 12, 17)").replace(b" " * 7 + b"\n", b"\n")
-    )
-    with pytest.raises(FileFormatError, match="cannot be read as an archive of arrays"):
-        read_sequence(tmp_path / "a.npz")
-
-
 # ---- bags of ROS
 
 rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed")
+
+
+def bag_of_images(folder: Path, storage: str = "mcap", count: int = COUNT, change=None, **image) -> Bag:
+    """A bag of images without poses."""
+    bag = Bag(folder / "sweep", storage)
+    if change:
+        change(bag.writer)
+    with bag.writer:
+        for number in range(count):
+            bag.image(number, **image)
+    return bag
 
 
 @pytest.fixture(params=["bag", "mcap", "sqlite3"])
@@ -183,12 +167,9 @@ def tree_bag(request, tmp_path):
     return bag.path
 
 
-def configuration(source, target, matrix):
-    return PlusConfiguration(transforms={TransformName(source, target): TransformSample(matrix)})
-
-
-def test_the_images_of_a_bag_are_placed_by_its_tree_of_transforms(tree_bag):
-    sequence = read_sequence(tree_bag, configuration("Image", "UsProbe", CALIBRATION))
+def test_the_images_of_a_bag_are_placed_by_its_tree_of_transforms_and_one_that_is_cut_short_is_refused(tree_bag):
+    calibration = PlusConfiguration(transforms={TransformName("Image", "UsProbe"): TransformSample(CALIBRATION)})
+    sequence = read_sequence(tree_bag, calibration)
     np.testing.assert_array_equal(np.asarray(sequence.images), IMAGES)
     np.testing.assert_array_equal(sequence.images[4], IMAGES[4])
     np.testing.assert_array_equal(sequence.images[1], IMAGES[1])
@@ -196,17 +177,13 @@ def test_the_images_of_a_bag_are_placed_by_its_tree_of_transforms(tree_bag):
     poses = sweep_poses(sequence, reference="Base")
     np.testing.assert_allclose(poses.image_to_reference, TO_BASE @ POSES @ CALIBRATION, atol=0.02)
     assert "of frame UsProbe" in sequence.notes[0]
+    file = tree_bag if tree_bag.is_file() else next(file for file in tree_bag.iterdir() if file.suffix in (".mcap", ".db3"))
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    with pytest.raises(FileFormatError, match=r"bag of ROS|cannot be decoded"):
+        np.asarray(read_sequence(tree_bag).images)
 
 
-def test_a_file_of_mcap_is_read_without_its_folder(tmp_path):
-    bag = Bag(tmp_path / "sweep", "mcap")
-    with bag.writer:
-        for number in range(COUNT):
-            bag.image(number)
-            bag.pose(0.05 * number, "tracker", POSES[number])
-    sequence = read_sequence(next(bag.path.glob("*.mcap")), configuration("Image", "Probe", CALIBRATION))
-    poses = sweep_poses(sequence, reference="Tracker")
-    np.testing.assert_allclose(poses.image_to_reference, POSES @ CALIBRATION, atol=1e-6)
+RED = np.dstack([IMAGES[0], 0 * IMAGES[0], 0 * IMAGES[0]])
 
 
 @pytest.mark.parametrize(
@@ -214,15 +191,34 @@ def test_a_file_of_mcap_is_read_without_its_folder(tmp_path):
     [
         ("mono16", IMAGES[0].astype(np.uint16) * 200, IMAGES[0].astype(np.uint16) * 200),
         ("32FC1", IMAGES[0].astype(np.float32) / 7, IMAGES[0].astype(np.float32) / 7),
-        ("rgb8", np.dstack([IMAGES[0], 0 * IMAGES[0], 0 * IMAGES[0]]), np.rint(0.299 * IMAGES[0]).astype(np.uint8)),
-        ("bgr8", np.dstack([IMAGES[0], 0 * IMAGES[0], 0 * IMAGES[0]]), np.rint(0.114 * IMAGES[0]).astype(np.uint8)),
+        ("rgb8", RED, np.rint(0.299 * IMAGES[0]).astype(np.uint8)),
+        ("bgr8", RED, np.rint(0.114 * IMAGES[0]).astype(np.uint8)),
+        ("yuv422", IMAGES[0], None),
     ],
 )
-def test_images_of_several_encodings_are_read(tmp_path, encoding, pixels, expected):
-    bag = Bag(tmp_path / "sweep", "mcap")
-    with bag.writer:
-        bag.image(0, encoding=encoding, pixels=pixels)
-    np.testing.assert_array_equal(read_sequence(bag.path).images[0], expected)
+def test_images_of_several_encodings_are_read_or_named(tmp_path, encoding, pixels, expected):
+    path = bag_of_images(tmp_path, count=1, encoding=encoding, pixels=pixels).path
+    if expected is None:
+        with pytest.raises(SequenceFormatError, match="images of the encoding 'yuv422' are not read"):
+            read_sequence(path)
+    else:
+        np.testing.assert_array_equal(read_sequence(path).images[0], expected)
+
+
+def squeezed(name: str):
+    """What lets a writer compress."""
+    from rosbags.rosbag1 import Writer as First
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode
+
+    if name == "zstd":
+        return lambda writer: writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    return lambda writer: writer.set_compression(First.CompressionFormat[name.upper()])
+
+
+@pytest.mark.parametrize(("storage", "compression"), [("bag", "bz2"), ("bag", "lz4"), ("mcap", "zstd")])
+def test_compressed_bags_are_read(tmp_path, storage, compression):
+    bag = bag_of_images(tmp_path, storage, change=squeezed(compression))
+    np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
 
 
 def test_compressed_images_are_read(tmp_path):
@@ -267,32 +263,29 @@ def test_what_is_no_bag_is_refused(tmp_path, suffix, content):
         read_sequence(tmp_path / f"a{suffix}")
 
 
-def test_a_bag_that_is_cut_short_is_refused(tree_bag):
-    file = tree_bag if tree_bag.is_file() else next(file for file in tree_bag.iterdir() if file.suffix in (".mcap", ".db3"))
-    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-    with pytest.raises(FileFormatError, match=r"bag of ROS|cannot be decoded"):
-        np.asarray(read_sequence(tree_bag).images)
-
-
-@pytest.mark.parametrize(("storage", "compression"), [("bag", "bz2"), ("bag", "lz4"), ("mcap", "zstd")])
-def test_compressed_bags_are_read(tmp_path, storage, compression):
-    from rosbags.rosbag1 import Writer as First
-    from rosbags.rosbag2 import CompressionFormat, CompressionMode
-
-    bag = Bag(tmp_path / "sweep", storage)
-    if storage == "bag":
-        bag.writer.set_compression(First.CompressionFormat[compression.upper()])
+def posed(bag: Bag, kind: str, number: int) -> None:
+    """A message that holds a pose among other things."""
+    position, orientation = bag.moved(pose(number), "Point")
+    at, header = bag.make("geometry_msgs/msg/Pose", position=position, orientation=orientation), bag.header(0.05 * number, "tracker")
+    fields: dict[str, Any] = {"header": header}
+    if kind.endswith("Path"):
+        fields["poses"] = [bag.make("geometry_msgs/msg/PoseStamped", header=header, pose=at)]
+    elif kind.endswith("PoseStamped"):
+        fields["pose"] = at
     else:
-        bag.writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-    with bag.writer:
-        for number in range(COUNT):
-            bag.image(number)
-    np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
+        fields["pose"] = bag.make("geometry_msgs/msg/PoseWithCovariance", pose=at, covariance=np.zeros(36))
+    if kind.endswith("Odometry"):
+        still = bag.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+        twist = bag.make("geometry_msgs/msg/Twist", linear=still, angular=still)
+        fields["twist"] = bag.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36))
+        fields["child_frame_id"] = "needle"
+    bag.write("/probe/pose", kind, 0.05 * number, bag.make(kind, **fields))
 
 
 @pytest.mark.parametrize(
     ("kind", "name"),
     [
+        ("geometry_msgs/msg/PoseStamped", "ProbeToTracker"),
         ("nav_msgs/msg/Odometry", "NeedleToTracker"),
         ("geometry_msgs/msg/PoseWithCovarianceStamped", "ProbeToTracker"),
         ("nav_msgs/msg/Path", None),
@@ -303,24 +296,10 @@ def test_poses_of_other_messages_are_read_or_named(tmp_path, storage, kind, name
     bag = Bag(tmp_path / "sweep", storage)
     with bag.writer:
         for number in range(COUNT):
-            position, orientation = bag.moved(pose(number), "Point")
-            at = bag.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
-            header = bag.header(0.05 * number, "tracker")
-            fields: dict[str, Any] = {"header": header}
-            if kind.endswith("Path"):
-                fields["poses"] = [bag.make("geometry_msgs/msg/PoseStamped", header=header, pose=at)]
-            else:
-                fields["pose"] = bag.make("geometry_msgs/msg/PoseWithCovariance", pose=at, covariance=np.zeros(36))
-            if kind.endswith("Odometry"):
-                still = bag.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
-                twist = bag.make("geometry_msgs/msg/Twist", linear=still, angular=still)
-                fields |= {
-                    "child_frame_id": "needle",
-                    "twist": bag.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
-                }
-            bag.write("/probe/pose", kind, 0.05 * number, bag.make(kind, **fields))
+            posed(bag, kind, number)
             bag.image(number)
-    sequence = read_sequence(bag.path)
+    # An MCAP is read without its folder, too
+    sequence = read_sequence(bag.path if storage == "bag" else next(bag.path.glob("*.mcap")))
     assert [str(each) for each in sequence.transform_names()] == ([] if name is None else [name])
     if name is None:
         assert f"{COUNT} of nav_msgs/msg/Path on /probe/pose" in " ".join(sequence.notes)
@@ -328,12 +307,4 @@ def test_poses_of_other_messages_are_read_or_named(tmp_path, storage, kind, name
             sweep_poses(sequence)
     else:
         found = [next(iter(record.transforms.values())).matrix for record in sequence.records]
-        np.testing.assert_allclose(found, [pose(number) for number in range(COUNT)], atol=1e-9)
-
-
-def test_images_of_an_encoding_that_is_not_known_are_named(tmp_path):
-    bag = Bag(tmp_path / "sweep", "mcap")
-    with bag.writer:
-        bag.image(0, encoding="yuv422")
-    with pytest.raises(SequenceFormatError, match="images of the encoding 'yuv422' are not read"):
-        read_sequence(bag.path)
+        np.testing.assert_allclose(found, POSES, atol=1e-9)

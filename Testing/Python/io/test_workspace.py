@@ -35,67 +35,44 @@ def test_what_a_killed_program_left_is_gone_after_the_next_write(tmp_path, write
     assert not (tmp_path / LEFT).exists()
 
 
-@pytest.mark.parametrize("name", [".aifrecon-notes", ".aifrecon-0123456789ab-abcdef12", LEFT[1:]])
-def test_a_folder_of_another_name_is_not_ours(tmp_path, name):
-    left_behind(tmp_path, name)
+@pytest.mark.parametrize("name", [".aifrecon-notes", ".aifrecon-0123456789ab-abcdef12", LEFT[1:], None])
+def test_a_folder_of_another_name_or_a_link_is_not_ours(tmp_path, name):
+    folder = left_behind(tmp_path, name or "real")
+    if name is None and os.name != "nt":
+        (tmp_path / LEFT).symlink_to(folder)
     remove_left_behind(tmp_path)
-    assert (tmp_path / name / "half.nrrd").exists()
-
-
-@pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
-def test_a_link_of_that_name_is_not_followed(tmp_path):
-    (tmp_path / "real").mkdir()
-    (tmp_path / "real" / "a.txt").touch()
-    (tmp_path / LEFT).symlink_to(tmp_path / "real")
-    remove_left_behind(tmp_path)
-    assert (tmp_path / "real" / "a.txt").exists()
-
-
-@needs_locks
-def test_a_folder_in_use_by_this_program_stays(tmp_path):
-    with workspace(tmp_path) as folder:
-        remove_left_behind(tmp_path)
-        assert folder.is_dir()
-    assert not folder.exists()
-
-
-@needs_locks
-def test_a_folder_in_use_by_another_program_stays_until_that_is_killed(tmp_path):
-    code = (
-        "import sys, time; from pathlib import Path; from AIFReconLib.io.disk.workspace import workspace\n"
-        "with workspace(Path(sys.argv[1])) as folder: print(folder, flush=True); time.sleep(60)"
-    )
-    other = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True)
-    with other:
-        folder = tmp_path / other.stdout.readline().strip().rpartition(os.sep)[2]
-        remove_left_behind(tmp_path)
-        assert folder.is_dir()
-        other.kill()
-    remove_left_behind(tmp_path)
-    assert not folder.exists()
+    assert (folder / "half.nrrd").exists()
 
 
 OTHER = """import sys, time, uuid
 from pathlib import Path
 from AIFReconLib.io.disk import workspace as module
-uuid.getnode = lambda: 7
+if {elsewhere}: uuid.getnode = lambda: 7
 with module.workspace(Path(sys.argv[1])) as folder:
     print(folder, flush=True); time.sleep(60)
 """
 
 
 @needs_locks
-def test_a_folder_in_use_on_another_computer_whose_lock_is_not_seen_stays(tmp_path, monkeypatch):
-    # As on a network disk: whoever asks gets the lock
-    monkeypatch.setattr(module, "hold", lambda _: True)
-    other = subprocess.Popen([sys.executable, "-c", OTHER, str(tmp_path)], stdout=subprocess.PIPE, text=True)
-    with other:
+@pytest.mark.parametrize("elsewhere", [False, True], ids=["here", "on another computer whose lock is not seen"])
+def test_a_folder_in_use_stays_until_its_program_is_killed(tmp_path, monkeypatch, elsewhere):
+    with workspace(tmp_path) as ours:
+        remove_left_behind(tmp_path)
+        assert ours.is_dir()
+    assert not ours.exists()
+    if elsewhere:
+        # As on a network disk: whoever asks gets the lock
+        monkeypatch.setattr(module, "hold", lambda _: True)
+    program = [sys.executable, "-c", OTHER.format(elsewhere=elsewhere), str(tmp_path)]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, text=True) as other:
         folder = tmp_path / other.stdout.readline().strip().rpartition(os.sep)[2]
         for path in (folder, *folder.iterdir()):
             os.utime(path, (1, 1))
         write_text(tmp_path / "a.txt", "x")
         assert folder.is_dir()
         other.kill()
+    remove_left_behind(tmp_path)
+    assert folder.exists() == elsewhere
 
 
 @pytest.mark.parametrize(("age", "stays"), [(LEFT_BEHIND - 60, True), (LEFT_BEHIND + 60, False)], ids=["younger", "older than a day"])

@@ -63,12 +63,6 @@ def test_an_error_stops_the_parts_of_other_threads_between_their_steps():
     assert threading.active_count() == before
 
 
-@pytest.mark.parametrize("ahead", [1, 3, 100])
-def test_items_come_in_their_order(ahead):
-    with read_ahead(range(50), ahead) as items:
-        assert list(items) == list(range(50))
-
-
 def test_the_next_items_are_read_while_one_is_worked_on():
     read = []
 
@@ -93,12 +87,15 @@ def test_an_error_of_the_reader_comes_where_its_item_would_have():
     assert taken == [1]
 
 
+@pytest.mark.parametrize("ahead", [1, 3, 100])
 @pytest.mark.parametrize("taken", [0, 1, 5])
-def test_no_thread_stays_when_the_caller_leaves_early(taken):
+def test_items_come_in_their_order_and_no_thread_stays_when_the_caller_leaves_early(taken, ahead):
     before = threading.active_count()
+    with read_ahead(range(50), ahead) as items:
+        assert list(items) == list(range(50))
 
     def leave_early():
-        with read_ahead(iter(range(10_000)), ahead=2) as ours:
+        with read_ahead(iter(range(10_000)), ahead) as ours:
             for _ in range(taken):
                 next(ours)
             raise KeyError

@@ -152,38 +152,35 @@ def test_a_setting_makes_a_difference(name, outcome):
     assert outcome({**beside, name: one}) != outcome({**beside, name: other})
 
 
-def test_an_importance_mask_makes_a_difference(outcome, tmp_path):
+def test_a_mask_bone_of_the_sweep_and_what_predictions_cover_make_a_difference(outcome, tmp_path):
     mask = np.full((30, 40), 255, np.uint8)
     mask[:, :20] = 0
     sitk.WriteImage(sitk.GetImageFromArray(mask), str(tmp_path / "mask.png"))
-    assert outcome({}) != outcome({}, "--importance-mask", tmp_path / "mask.png")
-
-
-def test_bone_is_looked_for_in_the_sweep(outcome):
-    assert outcome({}) != outcome({"bone_from_sweep": True})
-
-
-def test_what_predictions_cover_makes_a_difference(outcome, tmp_path):
     write_sequence(tracked_sequence(seed=3), tmp_path / "predicted.mha")
-    words = ["--bone-frames", tmp_path / "predicted.mha"]
-    assert outcome({}, *words) != outcome({"bone_frames_px": [10, 5, 20, 15]}, *words)
+    predicted = ["--bone-frames", tmp_path / "predicted.mha"]
+    assert outcome({}) != outcome({}, "--importance-mask", tmp_path / "mask.png")
+    assert outcome({}) != outcome({"bone_from_sweep": True})
+    assert outcome({}, *predicted) != outcome({"bone_frames_px": [10, 5, 20, 15]}, *predicted)
 
 
 # ---- Python
 
 
+def _labeled(read, settings):
+    """Bone for the methods that need it."""
+    _sequence, labels, place = read
+    width = {} if {"bone_sigma_mm", "bone_sigma_voxels"} & set(settings) else {"bone_sigma_mm": 1.6}
+    return LabeledBone(labels, place, recipe=Recipe(**width)) if settings["method"] in BONE_METHODS else None
+
+
 @pytest.fixture(scope="module")
 def in_python(read):
-    """A reconstruction of the sweep by Python, with bone for the methods that need it; the same settings run once."""
-    sequence, labels, place = read
+    """A reconstruction of the sweep by Python; the same settings run once."""
 
     @lru_cache
     def run(text):
-        settings, bone = json.loads(text), None
-        if settings["method"] in BONE_METHODS:
-            width = {} if {"bone_sigma_mm", "bone_sigma_voxels"} & set(settings) else {"bone_sigma_mm": 1.6}
-            bone = LabeledBone(labels, place, recipe=Recipe(**width))
-        return reconstruct(sequence, Recipe(**settings), bone)
+        settings = json.loads(text)
+        return reconstruct(read[0], Recipe(**settings), _labeled(read, settings))
 
     return lambda **settings: run(json.dumps({name: value for name, value in settings.items() if value is not None}, sort_keys=True))
 
@@ -203,6 +200,16 @@ WITH_NOTHING_LEFT = {
     "fan_detection": "no pixel is as bright",
 }
 """Settings whose other value leaves nothing to reconstruct, which is an error."""
+
+
+def _voxels_or_error(make, name):
+    """What `make` gives; its error where a setting leaves nothing."""
+    try:
+        return _voxels(make())
+    except AIFReconError as error:
+        assert name in WITH_NOTHING_LEFT
+        return str(error)
+
 
 OF_ENGINES = {"pixel_rejection", "interpolation", "alpha", "beta", "bone_gain", "weight_floor", "gray_levels", "intensity_maximum"}
 """Settings whose arithmetic each engine has its own of; all others are decided before it or after it."""
@@ -225,14 +232,8 @@ def test_each_method_and_engine_that_it_concerns_obeys_it(name, method, engine, 
         with pytest.raises(SettingsError, match="orientation counts where a recording is read"):
             in_python(**beside, orientation=other)
         return
-    outcomes = []
-    for value in (one, other):
-        try:
-            outcomes.append(_voxels(in_python(**{**beside, name: value})))
-        except AIFReconError as error:
-            assert name in WITH_NOTHING_LEFT
-            outcomes.append(str(error))
-    assert outcomes[0] != outcomes[1]
+    ours, theirs = (_voxels_or_error(lambda value=value: in_python(**{**beside, name: value}), name) for value in (one, other))
+    assert ours != theirs
 
 
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
@@ -247,20 +248,18 @@ def test_where_it_concerns_nothing_that_is_said_and_the_header_does_not_claim_it
     assert _voxels(result) == _voxels(in_python(method=method))
 
 
-def test_the_sweep_itself_says_where_bone_is_where_a_recipe_asks_for_it(read):
-    sequence, labels, _place = read
-    with pytest.raises(GeometryError, match="bone echoes, bright with darkness behind them, are too few"):
-        reconstruct(sequence, Recipe(bone_from_sweep=True))
-    with pytest.raises(SettingsError, match="Input bone_from_sweep looks for bone in the sweep, and a bone map is given"):
-        reconstruct(sequence, Recipe(bone_from_sweep=True), BoneMap.from_labels(labels))
-
-
-def test_how_bone_was_made_is_what_the_header_says_and_another_width_is_refused(read):
+def test_the_sweep_itself_says_where_bone_is_and_a_bone_map_how_it_was_made(read):
     sequence, labels, _place = read
     bone = BoneMap.from_labels(labels, 2.5)
     assert settings_of(reconstruct(sequence, Recipe(method="aif"), bone).intensity)["bone_sigma_voxels"] == 2.5
-    with pytest.raises(SettingsError, match=r"Input bone_sigma_voxels must be that of the bone map, 2\.5; got 5"):
-        reconstruct(sequence, Recipe(method="aif", bone_sigma_voxels=5), bone)
+    of_sweep = Recipe(bone_from_sweep=True)
+    for error, recipe, given, words in (
+        (GeometryError, of_sweep, None, "bone echoes, bright with darkness behind them, are too few"),
+        (SettingsError, of_sweep, bone, "Input bone_from_sweep looks for bone in the sweep, and a bone map is given"),
+        (SettingsError, Recipe(method="aif", bone_sigma_voxels=5), bone, r"bone_sigma_voxels must be that of the bone map, 2\.5; got 5"),
+    ):
+        with pytest.raises(error, match=words):
+            reconstruct(sequence, recipe, given)
 
 
 GRID = VoxelGrid.from_spacing((-12.0, -12.0, -12.0), (25, 25, 25), 1.0)
@@ -297,19 +296,10 @@ def test_a_reconstructor_obeys_it_or_refuses_it(name, engine, read):
 @pytest.mark.parametrize("name", sorted({*VALUES} - {"orientation"}))
 def test_a_window_s_job_is_that_of_python(name, read, in_python):
     """The panel's sequence is one that nobody has read as the recipe asks."""
-    sequence, labels, place = read
     settings = {"method": SOME_METHODS.get(name, ("average",))[-1], **VALUES[name][2], name: VALUES[name][1]}
-    width = {} if {"bone_sigma_mm", "bone_sigma_voxels"} & set(settings) else {"bone_sigma_mm": 1.6}
-    bone = LabeledBone(labels, place, recipe=Recipe(**width)) if settings["method"] in BONE_METHODS else None
-    job = ReconstructionJob(sequence, Recipe(**settings), bone)
-    outcomes = []
-    for make in (lambda: reconstructed(job, ("score",)).result, lambda: in_python(**settings)):
-        try:
-            outcomes.append(_voxels(make()))
-        except AIFReconError as error:
-            assert name in WITH_NOTHING_LEFT
-            outcomes.append(str(error))
-    assert outcomes[0] == outcomes[1]
+    job = ReconstructionJob(read[0], Recipe(**settings), _labeled(read, settings))
+    ours = _voxels_or_error(lambda: reconstructed(job, ("score",)).result, name)
+    assert ours == _voxels_or_error(lambda: in_python(**settings), name)
 
 
 REFUSED_LIVE = ("orientation", "probe")
@@ -355,20 +345,15 @@ OPTIONS = [name for name, rule in RULES.items() if rule["metavar"] and rule["kin
 
 
 @pytest.mark.parametrize("name", OPTIONS)
-def test_an_option_says_it(name):
+def test_an_option_and_a_column_of_a_table_say_it(name, tmp_path):
     value, beside = VALUES[name][1], VALUES[name][2]
     given = {each: known for each, known in {**beside, name: value}.items() if each in OPTIONS}
     words = [word for each, known in given.items() for word in (f"--{each.replace('_', '-')}", *_words(known))]
     recipe = OneLineParser(_ReconstructOptions, "aifrecon reconstruct").parse(["sweep.mha", "-o", "volume.nrrd", *words]).recipe
-    assert getattr(recipe, name) == getattr(Recipe(**{**beside, name: value}), name)
-
-
-@pytest.mark.parametrize("name", OPTIONS)
-def test_a_column_of_a_table_says_it(name, tmp_path):
-    read = Columns().read(name, " ".join(_words(VALUES[name][1])), tmp_path)
-    read = read[0] if name == "method" else read
-    expected = getattr(Recipe(**{**VALUES[name][2], name: VALUES[name][1]}), name)
-    assert np.array_equal(read, expected)
+    expected = getattr(Recipe(**{**beside, name: value}), name)
+    assert getattr(recipe, name) == expected
+    read = Columns().read(name, " ".join(_words(value)), tmp_path)
+    assert np.array_equal(read[0] if name == "method" else read, expected)
 
 
 def test_every_setting_is_explained_in_the_docstring_and_only_given_ones_are_shown():

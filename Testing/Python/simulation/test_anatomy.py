@@ -41,23 +41,35 @@ def bone_runs(volume: Volume, start, stop) -> list[tuple[float, float]]:
     return [(way[a], way[min(b, len(way) - 1)]) for a, b in edges.reshape(-1, 2)]
 
 
-def test_spinous_process_is_as_long_as_asked(regular):
-    tip = regular.spinous_tips()[1]
-    lengths = []
-    for z in np.arange(-8.0, 4.0, 1.0):
-        first = bone_runs(regular.labels, (0.0, 2.0, z), (0.0, 70.0, z))[0]
-        lengths.append((first[0] + 2.0, first[1] + 2.0))
-    back = min(a for a, _ in lengths)
-    canal_wall = max(b for _, b in lengths)
-    assert back == pytest.approx(tip[1], abs=1.0)
-    assert canal_wall - back == pytest.approx(regular.anatomy.spinous_length + LAMINA_THICKNESS, abs=1.8)
-
-
-def test_interspinous_gap_is_as_wide_as_asked(regular):
+def test_spinous_process_and_gap_are_as_long_and_wide_as_asked(regular):
     tips, roots = regular.spinous_tips(), regular.spinolaminar_junctions()
+    first = [bone_runs(regular.labels, (0.0, 2.0, z), (0.0, 70.0, z))[0] for z in np.arange(-8.0, 4.0, 1.0)]
+    back, canal_wall = min(a for a, _ in first), max(b for _, b in first)
+    assert back + 2.0 == pytest.approx(tips[1][1], abs=1.0)
+    assert canal_wall - back == pytest.approx(regular.anatomy.spinous_length + LAMINA_THICKNESS, abs=1.8)
     middles = (tips + roots) / 2
     runs = bone_runs(regular.labels, middles[0], middles[1])
     assert runs[1][0] - runs[0][1] == pytest.approx(regular.anatomy.interspinous_gap, abs=1.2)
+
+
+SIZES = [
+    ("body_width", 0, (-33.0, 33.0), [(0, 0, z) for z in np.arange(-12.0, 13.0)], 2.0),
+    ("body_depth", 1, (-18.0, 22.0), [(0, 0, z) for z in np.arange(-11.0, 12.0)], 2.0),
+    ("body_height", 2, (-16.0, 16.0), [(0, 12.5, 0)], 2.5),
+]
+"""What is asked for, along which axis it is measured, from where to where and beside which lines, mm; and how well."""
+
+
+@pytest.mark.parametrize(("name", "axis", "span", "offsets", "off"), SIZES)
+def test_a_vertebral_body_is_as_large_as_asked_before_a_canal_without_bone(regular, name, axis, span, offsets, off):
+    vertebra = regular.vertebrae[1]
+    middle = vertebra.vertebra_to_reference[:3, 3]
+    ends = np.zeros((2, 3))
+    ends[:, axis] = span
+    runs = [run for at in offsets for run in bone_runs(regular.labels, *(middle + vertebra.body_center + ends + at))]
+    assert max(b - a for a, b in runs) == pytest.approx(getattr(regular.anatomy, name), abs=off)
+    canal = middle + np.array([0.0, LAMINA_THICKNESS + regular.anatomy.canal_depth / 2, 0.0])
+    assert bone_runs(regular.labels, np.add(canal, (0, 0, -35.0)), np.add(canal, (0, 0, 35.0))) == []
 
 
 def test_lamina_lies_as_deep_under_the_skin_as_asked(regular):
@@ -68,30 +80,16 @@ def test_lamina_lies_as_deep_under_the_skin_as_asked(regular):
     assert canal_wall - LAMINA_THICKNESS - skin == pytest.approx(regular.anatomy.skin_to_lamina, abs=1.8)
 
 
-def test_a_vertebral_body_is_as_large_as_asked(regular):
-    center, anatomy = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center, regular.anatomy
-
-    def longest(axis, before, beyond, offsets):
-        ends = np.zeros((2, 3))
-        ends[:, axis] = before, beyond
-        return max(b - a for offset in offsets for a, b in bone_runs(regular.labels, *(center + ends + offset)))
-
-    assert longest(0, -33.0, 33.0, [(0, 0, z) for z in np.arange(-12.0, 13.0)]) == pytest.approx(anatomy.body_width, abs=2.0)
-    assert longest(1, -18.0, 22.0, [(0, 0, z) for z in np.arange(-11.0, 12.0)]) == pytest.approx(anatomy.body_depth, abs=2.0)
-    assert longest(2, -16.0, 16.0, [(0, 12.5, 0)]) == pytest.approx(anatomy.body_height, abs=2.5)
-
-
-def test_spinal_canal_holds_no_bone(regular):
-    middle = regular.vertebrae[1].vertebra_to_reference[:3, 3] + np.array([0.0, LAMINA_THICKNESS + regular.anatomy.canal_depth / 2, 0.0])
-    assert bone_runs(regular.labels, np.add(middle, (0, 0, -35.0)), np.add(middle, (0, 0, 35.0))) == []
-
-
-def test_each_vertebra_has_its_own_label_and_touches_no_other(regular):
-    assert np.unique(regular.labels.array).tolist() == [0, 1, 2, 3]
+def test_each_vertebra_has_its_own_label_touches_no_other_and_is_whole(regular):
     labels = regular.labels.array.astype(int)
+    assert np.unique(labels).tolist() == [0, 1, 2, 3]
     for axis in range(3):
         a, b = np.moveaxis(labels, axis, 0)[:-1], np.moveaxis(labels, axis, 0)[1:]
         assert not ((a != b) & (a > 0) & (b > 0)).any()
+    assert np.count_nonzero(labels[1:-1, 1:-1, 1:-1]) == np.count_nonzero(labels)
+    for count in (2, 4):
+        phantom = make_lumbar_phantom(LumbarAnatomy(vertebrae=count), spacing=3.0)
+        assert phantom.labels.array.max() == len(phantom.vertebrae) == count
 
 
 @pytest.mark.parametrize("side", [-1, 1])
@@ -105,13 +103,6 @@ def test_facets_of_neighbors_lie_across_a_joint_space(regular, side):
     assert way[outer.max()] - way[outer.min()] > 4.0
 
 
-def test_a_steeper_spinous_process_ends_lower():
-    flat, steep = (LumbarAnatomy(spinous_slope_deg=angle).sizes_of("L3") for angle in (12.0, 22.0))
-    drop = 32.0 * (np.tan(np.radians(22.0)) - np.tan(np.radians(12.0)))
-    assert flat.spinous_top - steep.spinous_top == pytest.approx(drop)
-    assert flat.spinous_bottom - steep.spinous_bottom == pytest.approx(drop)
-
-
 def test_each_level_is_as_much_larger_as_the_person_s_l3_is():
     person = LumbarAnatomy(pedicle_width=10.8, facet_width=40.7, arch_height=53.9, facet_angle_deg=30.0)
     sizes, usual = person.sizes_of("L5"), TYPICAL["L5"]
@@ -120,34 +111,29 @@ def test_each_level_is_as_much_larger_as_the_person_s_l3_is():
     assert sizes.inferior_height / usual.inferior_height == pytest.approx(1.1)
     assert sizes.facet_angle_deg - usual.facet_angle_deg == pytest.approx(6.0)
     assert LumbarAnatomy().sizes_of("L5") == usual
+    # A steeper spinous process ends lower
+    flat, steep = (LumbarAnatomy(spinous_slope_deg=angle).sizes_of("L3") for angle in (12.0, 22.0))
+    drop = pytest.approx(32.0 * (np.tan(np.radians(22.0)) - np.tan(np.radians(12.0))))
+    assert (flat.spinous_top - steep.spinous_top, flat.spinous_bottom - steep.spinous_bottom) == (drop, drop)
 
 
-def test_vertebrae_are_whole_within_the_scan(regular):
-    inner = regular.labels.array[1:-1, 1:-1, 1:-1]
-    assert np.count_nonzero(inner) == np.count_nonzero(regular.labels.array)
-
-
-@pytest.mark.parametrize("vertebrae", [2, 4])
-def test_as_many_vertebrae_as_asked(vertebrae):
-    phantom = make_lumbar_phantom(LumbarAnatomy(vertebrae=vertebrae), spacing=3.0)
-    assert phantom.labels.array.max() == len(phantom.vertebrae) == vertebrae
-
-
-def test_ct_shows_air_fat_muscle_and_cortical_bone(regular):
+def test_ct_shows_air_fat_muscle_and_cortical_bone_and_where_the_skin_is(regular, person):
     air, fat = regular.ct.array[:, 0].mean(), values_along(regular.ct, (8.0, 4.0, 0.0), (8.0, 8.0, 0.0))[1].mean()
     muscle = values_along(regular.ct, (12.0, 20.0, -20.0), (12.0, 20.0, 20.0))[1].mean()
     shell = regular.ct.array[np.abs(regular.bone_distance.array + 0.8) < 0.2].mean()
     assert (round(air, -2), round(fat, -2)) == (-1000, -100)
     assert 30 < muscle < 70
     assert 700 < shell < 1100
+    skin = person.skin_y(20, 10)
+    outside, inside = (values_along(person.ct, (20.0, skin + y, 10.0), (20.0, skin + y + 4, 10.0))[1] for y in (-6, 2))
+    assert person.skin_y(0.0, 0.0) == pytest.approx(0.0, abs=1e-9)
+    assert outside.max() < -850
+    assert inside.min() > -250
 
 
-def test_bone_distance_is_negative_exactly_in_labeled_bone(regular):
-    assert np.array_equal(regular.bone_distance.array <= 0, regular.labels.array > 0)
-
-
-def test_bone_distance_grows_by_one_mm_per_mm_near_the_surface(regular):
+def test_bone_distance_grows_by_one_mm_per_mm_near_the_surface_and_is_negative_in_bone(regular):
     distance = regular.bone_distance.array.astype(float)
+    assert np.array_equal(distance <= 0, regular.labels.array > 0)
     slope = np.sqrt(sum(g**2 for g in np.gradient(distance, 1.0)))
     near = (distance > 0.5) & (distance < 2.5)
     assert np.median(slope[near]) == pytest.approx(1.0, abs=0.08)
@@ -193,25 +179,17 @@ def test_a_ct_in_its_own_frame_shows_the_same_bone(person):
     assert np.allclose(invert(turned.ct_to_reference) @ placed.ijk_to_reference, turned.labels.ijk_to_reference)
 
 
-def test_ct_changes_from_air_to_body_at_the_skin(person):
-    _, outside = values_along(person.ct, (20.0, person.skin_y(20, 10) - 6, 10.0), (20.0, person.skin_y(20, 10) - 2, 10.0))
-    _, inside = values_along(person.ct, (20.0, person.skin_y(20, 10) + 2, 10.0), (20.0, person.skin_y(20, 10) + 6, 10.0))
-    assert person.skin_y(0.0, 0.0) == pytest.approx(0.0, abs=1e-9)
-    assert outside.max() < -850
-    assert inside.min() > -250
-
-
 @pytest.mark.parametrize(
-    ("make", "words"), [(lambda: LumbarAnatomy(vertebrae=6), "vertebrae must"), (lambda: make_lumbar_phantom(spacing=0.01), "spacing")]
+    ("error", "make", "words"),
+    [
+        (SettingsError, lambda: LumbarAnatomy(vertebrae=6), "vertebrae must"),
+        (SettingsError, lambda: make_lumbar_phantom(spacing=0.01), "spacing"),
+        (OperationCanceled, lambda: make_lumbar_phantom(spacing=3.0, progress=lambda fraction, message: False), ""),
+    ],
 )
-def test_what_no_phantom_has_is_refused(make, words):
-    with pytest.raises(SettingsError, match=words):
+def test_what_no_phantom_has_is_refused_and_making_one_can_be_canceled(error, make, words):
+    with pytest.raises(error, match=words or None):
         make()
-
-
-def test_making_a_phantom_can_be_canceled():
-    with pytest.raises(OperationCanceled):
-        make_lumbar_phantom(spacing=3.0, progress=lambda fraction, message: False)
 
 
 def test_a_flat_bar_is_thin_the_way_it_faces_and_tapers():

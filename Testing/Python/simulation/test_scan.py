@@ -17,7 +17,6 @@ from AIFReconLib.simulation.scan import (
     multi_angle_sweep,
     plus_configuration_xml,
     random_rigid,
-    recorded_poses,
     simulate_sweep,
     single_angle_sweep,
 )
@@ -59,20 +58,15 @@ def distances_to_bone(phantom, points) -> np.ndarray:
     return np.abs(ndimage.map_coordinates(phantom.bone_distance.array, ijk.T[::-1], order=1, cval=6.0))
 
 
-def echo_errors(phantom, sequence, image_to_probe=PROBE.image_to_probe) -> np.ndarray:
-    points = [bright_points(sequence.images[n], image_to_reference(r, image_to_probe)) for n, r in enumerate(sequence.records)]
-    return distances_to_bone(phantom, np.concatenate(points))
-
-
-def test_recorded_poses_put_bright_echoes_on_the_bone(phantom, sequence):
-    errors = echo_errors(phantom, sequence)
+def test_recorded_poses_put_bright_echoes_of_every_frame_on_the_bone(phantom, sequence):
+    points = [bright_points(image, image_to_reference(record)) for image, record in zip(sequence.images, sequence.records)]
+    errors = distances_to_bone(phantom, np.concatenate(points))
     assert len(errors) > 500
     assert np.median(errors) < 0.5
     assert np.percentile(errors, 95) < 1.5
-
-
-def test_every_frame_of_a_sweep_shows_bone(sequence):
     assert min((image > 175).sum() for image in sequence.images) > 20
+    names = {str(name): dict(sequence.status_counts(name)) for name in sequence.transform_names()}
+    assert names == {name: {TransformStatus.OK: 36} for name in ("ProbeToTracker", "ReferenceToTracker")}
 
 
 @pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
@@ -89,29 +83,17 @@ def test_a_tilted_probe_still_aims_at_its_target(phantom, in_plane, elevational)
     target = np.array([2.0, phantom.skin_y(2.0, 9.0) + AIM_DEPTH, 9.0])
     ahead = target - pose[:3, 3]
     assert pose[:3, 1] == pytest.approx(ahead / np.linalg.norm(ahead), abs=1e-3)
+    turned = contact_pose(phantom, 0.0, 0.0, in_plane_tilt_deg=30.0)
+    assert turned[:3, 1] == pytest.approx([0.5, np.sqrt(0.75), 0.0], abs=1e-12)
 
 
-def test_an_in_plane_tilt_turns_the_beam_within_the_image_plane(phantom):
-    pose = contact_pose(phantom, 0.0, 0.0, in_plane_tilt_deg=30.0)
-    assert pose[:3, 1] == pytest.approx([0.5, np.sqrt(0.75), 0.0], abs=1e-12)
-
-
-def test_a_multi_angle_sweep_visits_every_pair_of_tilts_in_as_many_frames_as_asked(phantom, path):
+def test_a_multi_angle_sweep_visits_every_pair_of_tilts_over_all_spinous_processes(phantom, path):
     assert len({tuple(np.round(pose[:3, 1], 3)) for pose in path.transducer_to_reference}) == 9
     assert len(multi_angle_sweep(phantom, 31)) == 31
     assert np.diff(path.timestamps).min() == pytest.approx(1 / 20)
-
-
-def test_a_sweep_covers_all_spinous_processes(phantom, path):
-    z = path.transducer_to_reference[:, 2, 3]
-    tips = phantom.spinous_tips()[:, 2]
+    z, tips = path.transducer_to_reference[:, 2, 3], phantom.spinous_tips()[:, 2]
     assert z.min() < tips.min() - 5
     assert z.max() > tips.max() + 5
-
-
-def test_a_sequence_records_both_tracked_transforms_as_ok(sequence):
-    names = {str(name): dict(sequence.status_counts(name)) for name in sequence.transform_names()}
-    assert names == {name: {TransformStatus.OK: 36} for name in ("ProbeToTracker", "ReferenceToTracker")}
 
 
 def test_the_same_seed_gives_the_same_sequence(phantom):
@@ -121,23 +103,18 @@ def test_the_same_seed_gives_the_same_sequence(phantom):
     assert np.array_equal(image_to_reference(one.records[2]), image_to_reference(same.records[2]))
 
 
-def test_errors_of_tracking_leave_the_images_as_they_are(phantom, sequence, path):
-    wrong = simulate_sweep(phantom, PROBE, path, seed=4, errors=TrackingErrors(drift=0.5, time_offset=0.1))
-    assert np.array_equal(wrong.images, sequence.images)
-
-
-def test_a_time_offset_records_late_poses(phantom):
-    sweep = single_angle_sweep(phantom, 8)
-    late = simulate_sweep(phantom, TINY, sweep, errors=TrackingErrors(time_offset=0.05))
-    recorded = image_to_reference(late.records[5], TINY.transducer_to_probe)
-    assert recorded == pytest.approx(sweep.transducer_to_reference[4], abs=1e-6)
-
-
-def test_a_tracker_that_drifts_is_right_at_first_and_off_by_its_drift_at_the_end(phantom):
+def test_a_tracker_that_drifts_or_is_late_records_that_and_leaves_the_images_as_they_are(phantom):
     path = single_angle_sweep(phantom, 9)
-    drifting, true = (recorded_poses(TINY, path, TrackingErrors(drift=drift)) for drift in (2.0, 0.0))
-    off = [np.linalg.norm((image_to_reference(one) - image_to_reference(other))[:3, 3]) for one, other in zip(drifting, true, strict=True)]
-    assert off == pytest.approx(np.linspace(0.0, 2.0, 9), abs=1e-9)
+    true, drifting, late = (
+        simulate_sweep(phantom, TINY, path, errors=errors)
+        for errors in (TrackingErrors(), TrackingErrors(drift=2.0), TrackingErrors(time_offset=0.05))
+    )
+    apart = [image_to_reference(one) - image_to_reference(other) for one, other in zip(drifting.records, true.records, strict=True)]
+    assert np.linalg.norm(np.array(apart)[:, :3, 3], axis=1) == pytest.approx(np.linspace(0.0, 2.0, 9), abs=1e-9)
+    recorded = image_to_reference(late.records[5], TINY.transducer_to_probe)
+    assert recorded == pytest.approx(path.transducer_to_reference[4], abs=1e-6)
+    assert np.array_equal(drifting.images, true.images)
+    assert np.array_equal(late.images, true.images)
 
 
 def test_a_random_motion_moves_its_point_and_turns_by_exactly_that_much():
@@ -166,19 +143,19 @@ def test_configuration_holds_calibration_apex_and_fan():
     assert numbers(fan, "FanAnglesDeg") == pytest.approx(PROBE.fan.angles_deg)
 
 
-def test_a_sweep_can_be_canceled(phantom, path):
-    with pytest.raises(OperationCanceled):
-        simulate_sweep(phantom, PROBE, path, progress=lambda fraction, message: fraction < 0.05)
-
-
 @pytest.mark.parametrize(
-    ("make", "said"),
+    ("error", "make", "said"),
     [
-        (lambda phantom: TrackingErrors(step=-1.0), "errors must"),
-        (lambda phantom: TrackingErrors(time_offset=float("nan")), "errors must"),
-        (lambda phantom: multi_angle_sweep(phantom, 5), "frames must"),
+        (SettingsError, lambda phantom: TrackingErrors(step=-1.0), "errors must"),
+        (SettingsError, lambda phantom: TrackingErrors(time_offset=float("nan")), "errors must"),
+        (SettingsError, lambda phantom: multi_angle_sweep(phantom, 5), "frames must"),
+        (
+            OperationCanceled,
+            lambda phantom: simulate_sweep(phantom, PROBE, multi_angle_sweep(phantom), progress=lambda done, _: done < 0.05),
+            None,
+        ),
     ],
 )
-def test_what_cannot_be_is_refused(phantom, make, said):
-    with pytest.raises(SettingsError, match=said):
+def test_what_cannot_be_is_refused_and_a_sweep_can_be_canceled(phantom, error, make, said):
+    with pytest.raises(error, match=said):
         make(phantom)

@@ -10,30 +10,10 @@ from sweeps import oblique_frames, rigid, turned_grid
 
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import GeometryError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
-
-PROBE = TransformName("Probe", "Tracker")
-STYLUS = TransformName("Stylus", "Tracker")
-
-
-def sequence_of(*records: FrameRecord, **others) -> TrackedSequence:
-    """A sequence of black 5 x 4 images with these records."""
-    return TrackedSequence(np.zeros((len(records), 4, 5), np.uint8), list(records), **others)
-
-
-def tracked(name: TransformName, status: TransformStatus = TransformStatus.OK) -> FrameRecord:
-    """A record with one transform."""
-    return FrameRecord(transforms={name: TransformSample(np.eye(4), status)})
-
-
-def test_the_transform_of_the_header_stands_in_where_a_frame_has_none():
-    sequence = sequence_of(tracked(PROBE, TransformStatus.INVALID), tracked(STYLUS), transforms={PROBE: TransformSample(np.eye(4))})
-    assert sequence.status_counts(PROBE) == {TransformStatus.INVALID: 1, TransformStatus.OK: 1}
-
 
 # ---- a sweep of arrays
 
@@ -62,18 +42,13 @@ def test_poses_in_mm_and_the_size_of_a_pixel_are_poses_of_pixels():
     np.testing.assert_allclose(found, poses @ (0.4 * column, 0.7 * row, 0.0, 1.0), atol=1e-12)
 
 
-def test_a_frame_without_a_pose_is_skipped_with_its_reason():
-    poses = POSES.copy()
-    poses[2] = np.nan
-    result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), ReconstructionSettings(clip_px=(0,) * 4), grid=turned_grid())
-    assert result.skipped == {"ImageToReference not finite": [2]}
-
-
-def test_the_arrays_stay_the_giver_s():
+def test_the_arrays_stay_the_giver_s_and_a_frame_without_a_pose_is_skipped_with_its_reason():
     sequence, before = TrackedSequence.from_arrays(IMAGES, poses := POSES.copy()), POSES[0, 0, 3]
-    poses[0, 0, 3] = 1000.0
+    poses[0, 0, 3], poses[2] = 1000.0, np.nan
     assert sweep_poses(sequence).image_to_reference[0, 0, 3] == before
     assert sequence.images is IMAGES
+    result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), ReconstructionSettings(clip_px=(0,) * 4), grid=turned_grid())
+    assert result.skipped["ImageToReference not finite"] == [2]
 
 
 def test_whole_numbers_of_8_bit_images_are_8_bit_images():

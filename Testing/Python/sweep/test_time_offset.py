@@ -47,13 +47,12 @@ def probe_poses(sequence) -> list[np.ndarray]:
 
 @pytest.mark.parametrize("late", [0.04, 0.1, -0.07])
 def test_poses_that_come_late_are_mended_by_that_offset(late):
-    mended = with_time_offset(sweep(late=late), late)
+    mended = with_time_offset(sweep(late=late, image_statuses={6: TransformStatus.INVALID}), late)
     for n in range(2, 10):
         np.testing.assert_allclose(probe_poses(mended)[n], probe_at(0.1 * n), atol=1e-9)
-
-
-def test_the_sign_is_that_of_the_image_devices_local_time_offset():
-    """LocalTimeOffsetSec = -0.3 of a frame grabber: its images show what was there 0.3 s before their time stamp."""
+        still = mended.records[n].transforms[REFERENCE_TO_TRACKER].matrix
+        np.testing.assert_allclose(still, rigid((0, 0, 20.0), (1.0, 2.0, 3.0)), atol=1e-12)
+    # LocalTimeOffsetSec = -0.3 of a frame grabber: its images show what was there 0.3 s before their time stamp
     np.testing.assert_allclose(probe_poses(with_time_offset(sweep(), -0.3))[7], probe_at(0.7 - 0.3), atol=1e-9)
 
 
@@ -63,35 +62,20 @@ def test_a_whole_number_of_frames_takes_the_very_poses():
     assert [p.tolist() for p in probe_poses(shifted)[:10]] == [p.tolist() for p in probe_poses(original)[2:]]
 
 
-def test_a_static_transform_stays_as_it_is():
-    shifted = with_time_offset(sweep(), 0.05)
-    np.testing.assert_allclose(shifted.records[3].transforms[REFERENCE_TO_TRACKER].matrix, rigid((0, 0, 20.0), (1.0, 2.0, 3.0)), atol=1e-12)
-
-
-def test_frames_beyond_the_ends_have_no_pose():
-    found = sweep_poses(with_time_offset(sweep(), 0.25))
-    assert found.skipped() == {"ProbeToTracker MISSING": [9, 10, 11]}
-
-
-def test_frames_lost_to_the_offset_are_counted_in_a_note():
-    assert "3 frames have no pose then" in with_time_offset(sweep(), 0.25).notes[0]
-    assert "1 frame has no pose then" in with_time_offset(sweep(), -0.05).notes[0]
-
-
-def test_no_pose_is_made_up_where_the_tracker_lost_the_tool_however_short():
-    found = sweep_poses(with_time_offset(sweep(statuses={5: TransformStatus.OUT_OF_VIEW}), 0.05, longest_gap=0.5))
-    assert found.skipped() == {"ProbeToTracker MISSING": [4, 11], "ProbeToTracker OUT_OF_VIEW": [5]}
-
-
-def test_a_loss_longer_than_the_longest_gap_is_not():
-    lost = dict.fromkeys((4, 5, 6), TransformStatus.OUT_OF_VIEW)
-    found = sweep_poses(with_time_offset(sweep(statuses=lost), 0.05, longest_gap=0.3))
-    assert found.skipped() == {"ProbeToTracker MISSING": [3, 11], "ProbeToTracker OUT_OF_VIEW": [4, 5, 6]}
-
-
-def test_a_frame_without_an_image_still_says_where_the_probe_was():
-    shifted = with_time_offset(sweep(image_statuses={6: TransformStatus.INVALID}), 0.1)
-    assert probe_poses(shifted)[5].tolist() == probe_at(6 * 0.1).tolist()
+@pytest.mark.parametrize(
+    ("lost", "offset", "missing", "said"),
+    [
+        ((), 0.25, [9, 10, 11], "3 frames have no pose then"),
+        ((), -0.05, [0], "1 frame has no pose then"),
+        ((5,), 0.05, [4, 11], "2 frames have no pose then"),
+        ((4, 5, 6), 0.05, [3, 11], "2 frames have no pose then"),
+    ],
+)
+def test_no_pose_is_made_up_beyond_the_ends_nor_where_the_tracker_lost_the_tool(lost, offset, missing, said):
+    shifted = with_time_offset(sweep(statuses=dict.fromkeys(lost, TransformStatus.OUT_OF_VIEW)), offset, longest_gap=0.5)
+    found = {"ProbeToTracker MISSING": missing, **({"ProbeToTracker OUT_OF_VIEW": [*lost]} if lost else {})}
+    assert sweep_poses(shifted).skipped() == found
+    assert said in shifted.notes[0]
 
 
 def test_frames_in_any_order_are_interpolated_in_order_of_time():
@@ -116,8 +100,7 @@ def test_poses_that_cannot_be_interpolated_are_a_missing_pose():
 
 def test_reconstruct_takes_the_offset(tmp_path, results, capsys):
     patient = write_patient(tmp_path, sweep(late=0.1))
-    assert (
-        main([*patient.reconstruct, "--time-offset", "0.1", "--output", str(results / "v.nrrd"), "--report", str(results / "r.json")]) == 0
-    )
+    outputs = ["--output", str(results / "v.nrrd"), "--report", str(results / "r.json")]
+    assert main([*patient.reconstruct, "--time-offset", "0.1", *outputs]) == 0
     assert "Poses are those of 0.1 s after each image's time stamp; 1 frame has no pose then." in capsys.readouterr().out
     assert json.loads((results / "r.json").read_text())["tracking"]["frames_used"] == 11
