@@ -1,4 +1,4 @@
-"""Pictures of the steps in the user guide: Resources/Screenshots/step-*.png and panel-dark.png, made by `screenshots.py`.
+"""Pictures of the steps in the user guide: Resources/Screenshots/step-*.png, made by `screenshots.py`.
 
 Each function takes the `Module` of that program at the step that its name tells, and the folder to write into.
 """
@@ -21,11 +21,6 @@ BESIDE = (340, 300)
 def empty(module, folder: Path) -> None:
     """step-1-empty.png: the panel in an empty scene, with the reason why nothing can be reconstructed."""
     _write(_panel(module), folder / "step-1-empty.png")
-
-
-def inputs(module, folder: Path) -> None:
-    """step-2-inputs.png: sweep, CT and bone are chosen."""
-    _write(_panel(module), folder / "step-2-inputs.png")
 
 
 def imported(module, folder: Path) -> None:
@@ -208,29 +203,6 @@ def result(module, folder: Path) -> None:
     parameters.volumeRendering = False
     parameters.bone.GetDisplayNode().SetOpacity3D(1.0)
     view_frames.write_png(view_frames.tiled([[views["Red"], shown], [views["Yellow"], views["Green"]]]), folder / "step-5-result.png")
-
-
-def report(module, folder: Path) -> None:
-    """step-6-report.png: the lights, with the tracking report opened."""
-    ui = module.widget.ui
-    ui.trackingMoreButton.checked = True
-    module.host.process_events()
-    whole = _panel(module)
-    top, end = _top(module, ui.applyButton) - 8, _top(module, ui.settingsCollapsibleButton) - 4
-    _write(whole.copy(0, top, PANEL_WIDTH, end - top), folder / "step-6-report.png")
-    ui.trackingMoreButton.checked = False
-
-
-def dark(module, folder: Path) -> None:
-    """panel-dark.png: the panel in a dark style."""
-    from PySide6 import QtWidgets
-
-    from host.panel_looks import dark_palette
-
-    usual = QtWidgets.QApplication.palette()
-    QtWidgets.QApplication.setPalette(dark_palette())
-    _write(_panel(module), folder / "panel-dark.png")
-    QtWidgets.QApplication.setPalette(usual)
 
 
 def compared(module, views: list, folder: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-STUDIES = ("methods", "registration", "calibration", "guidance", "paths", "real_bone", "ct_bone", "screens", "looks", "motion")
+STUDIES = ("methods", "registration", "calibration", "guidance", "paths", "real_bone", "ct_bone", "looks", "motion")
 
 
 def main(words: list[str]) -> int:
