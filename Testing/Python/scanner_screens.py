@@ -229,7 +229,6 @@ def _panel(rng: np.random.Generator, made: Screen, left: int, right: int, white:
         near, far = 0, max(left - 6 + (int(0.06 * (right - left)) if over else 0), 4)
     else:
         near, far = min(right + 6 - (int(0.06 * (right - left)) if over else 0), columns - 4), columns
-    if over:
     images[:, :, near:far] = rng.integers(25, 90)
     for y in range(20, images.shape[1] - 40, 60):
         images[:, y : y + 36, near + 3 : far - 3] = rng.integers(90, 160)
@@ -266,7 +265,8 @@ def answer(made: Screen) -> str:
     except BeamGeometryError:
         return REFUSED
     kept = found.region.mask(*made.inside.shape[::-1])
-    right = found.probe.kind == made.probe and (made.lit & kept).sum() >= 0.85 * made.lit.sum() and (kept & ~made.inside).mean() <= 0.04 * kept.mean()
+    whole = (made.lit & kept).sum() >= 0.85 * made.lit.sum() and (kept & ~made.inside).sum() <= 0.04 * kept.sum()
+    right = found.probe.kind == made.probe and bool(whole)
     if found.probe.kind == made.probe and made.apex is not None:
         assert found.region.fan is not None
         apex = float(np.hypot(*(np.subtract(found.probe.apex, made.apex) * made.spacing)))

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from measured import keep
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.calibration.calibration import Calibration, calibrate
@@ -25,7 +24,6 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import (
     PROBE_TO_TRACKER,
@@ -43,7 +41,7 @@ from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 from .calibration_halves import halves_on_bone
-from .command import carry_out, parsed, study_parser
+from .command import Study
 from .lumbar_shapes import lumbar_shapes
 from .method_cases import EFFECTS
 from .patients import table_line
@@ -328,24 +326,6 @@ def _checked(patient: Patient, kind: str, name: str, case: Case, labels: Volume 
     return Row(patient.seed, kind, name, wrong, told in said and wrong if told else not wrong, said)
 
 
-def main(words: list[str]) -> int:
-    """Run what is missing, then write the pages; the answer is the exit status."""
-    arguments = parsed(study_parser("calibration", __doc__), words)
-
-    def write(rows: list[Row]) -> list[Path]:
-        texts = {
-            "calibration": calibrations(rows),
-            "calibration-bone": halves_on_bone(RealBone.found()),
-            "calibration-no-ct": calibrations(rows, WITHOUT_CT),
-            "calibration-check": checks(rows),
-        }
-        for name, text in texts.items():
-            write_text(arguments.output / f"{name}.md", text)
-        return [*(arguments.output / f"{name}.md" for name in texts), *(keep(texts, "make study") if arguments.pages else ())]
-
-    return carry_out(arguments, patient_rows, Row, write, "calibrations and checks")
-
-
 def calibrations(rows: list[Row], kind: str = CALIBRATE) -> str:
     """A line for each sort of case."""
     head = "image points off: before | after | worst | 95 of 100 | worst | error within the stated | delay off, ms"
@@ -377,3 +357,16 @@ def checks(rows: list[Row]) -> str:
             cells += [str(sum(row.right for row in these)), str(sum(row.accepted and not row.right for row in these))]
         lines.append(table_line(case, cells))
     return "\n".join(lines) + "\n"
+
+
+def texts(rows: list[Row]) -> dict[str, str]:
+    """All tables by their names."""
+    return {
+        "calibration": calibrations(rows),
+        "calibration-bone": halves_on_bone(RealBone.found()),
+        "calibration-no-ct": calibrations(rows, WITHOUT_CT),
+        "calibration-check": checks(rows),
+    }
+
+
+STUDY = Study(patient_rows, Row, "calibrations and checks", texts)

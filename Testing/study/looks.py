@@ -12,11 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from measured import keep
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
@@ -29,7 +27,6 @@ from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
@@ -39,7 +36,7 @@ from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .command import carry_out, parsed, study_parser
+from .command import Study
 from .method_cases import (
     EFFECTS,
     HOLE_LIMIT,
@@ -203,16 +200,5 @@ def _worst_and_best(rows: list[Row], of_fibula: bool) -> str:
     return "\n".join(lines)
 
 
-def main(words: list[str]) -> int:
-    """Run what is missing, then write the page; the answer is the exit status."""
-    parser = study_parser("looks", __doc__)
-    # Ten patients and the fibula
-    parser.set_defaults(patients=11)
-    arguments = parsed(parser, words)
-
-    def write(rows: list[Row]) -> list[Path]:
-        written = arguments.output / "looks.md"
-        write_text(written, page(rows))
-        return [written, *(keep(in_the_pages(rows), "make study") if arguments.pages else ())]
-
-    return carry_out(arguments, rows_of, Row, write, "reconstructions")
+# Ten patients and the fibula
+STUDY = Study(rows_of, Row, "reconstructions", lambda rows: {"looks": page(rows)}, in_the_pages, patients=11)
