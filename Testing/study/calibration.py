@@ -8,7 +8,7 @@ writes calibration.md and three more tables. About ten minutes per patient and c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -229,27 +229,11 @@ def _calibrated(patient: Patient, name: str, case: Case) -> Row:
         found = calibrate(case.sequence, patient.labels)
     except AIFReconError as error:
         return Row(patient.seed, CALIBRATE, name, False, False, str(error))
-    said = found.refusal or found.advice or ""
-    off = _misplaced(patient, case, found, Solved(found.labels_to_reference, found.correction, 0.0), _image_points(patient.probe))
-    before = _misplaced(patient, case, found, found.given, _image_points(patient.probe))
-    echoes = _misplaced(patient, case, found, Solved(found.labels_to_reference, found.correction, 0.0), None)
-    median, worst = float(np.median(off)), float(np.quantile(off, 0.95))
-    delay = float(1e3 * abs(found.correction.delay - case.delay)) if found.held[-1] else math.nan
-    right = median <= WITHIN_MM[0] and worst <= WITHIN_MM[1]
-    return Row(
-        patient.seed,
-        CALIBRATE,
-        name,
-        found.accepted,
-        bool(right),
-        said,
-        float(np.median(before)),
-        median,
-        worst,
-        float(np.median(echoes)),
-        found.uncertainty,
-        delay,
-    )
+    pixels, solved = _image_points(patient.probe), Solved(found.labels_to_reference, found.correction, 0.0)
+    off = [_misplaced(patient, case, found, *how) for how in ((found.given, pixels), (solved, pixels), (solved, None))]
+    delay = found.correction.delay if found.held[-1] else math.nan
+    row = _judged(patient, CALIBRATE, name, case, found.accepted, found.refusal or found.advice or "", off, delay)
+    return replace(row, stated=found.uncertainty)
 
 
 def _crossed(patient: Patient, name: str, case: Case) -> Row:
@@ -259,27 +243,18 @@ def _crossed(patient: Patient, name: str, case: Case) -> Row:
     except AIFReconError as error:
         return Row(patient.seed, WITHOUT_CT, name, False, False, str(error))
     none, pixels = Correction.none(found.echoes.center), _image_points(patient.probe)
-    before, off, echoes = (
-        _shapes_apart(*_placed(case, found.echoes, correction, at))
-        for correction, at in ((none, pixels), (found.correction, pixels), (found.correction, None))
-    )
-    median, worst = float(np.median(off)), float(np.quantile(off, 0.95))
-    delay = float(1e3 * abs(found.correction.delay - case.delay))
-    right = bool(median <= WITHIN_MM[0] and worst <= WITHIN_MM[1])
-    said = found.refusal or ""
-    return Row(
-        patient.seed,
-        WITHOUT_CT,
-        name,
-        found.accepted,
-        right,
-        said,
-        float(np.median(before)),
-        median,
-        worst,
-        float(np.median(echoes)),
-        delay_ms=delay,
-    )
+    ways = (none, pixels), (found.correction, pixels), (found.correction, None)
+    off = [_shapes_apart(*_placed(case, found.echoes, *how)) for how in ways]
+    return _judged(patient, WITHOUT_CT, name, case, found.accepted, found.refusal or "", off, found.correction.delay)
+
+
+def _judged(patient: Patient, kind: str, name: str, case: Case, accepted: bool, said: str, off: Sequence[np.ndarray], delay: float) -> Row:
+    """The row of a calibration: mm by which image points are off before, after, and echoes after."""
+    before, median, echoes = (float(np.median(each)) for each in off)
+    worst = float(np.quantile(off[1], 0.95))
+    right = median <= WITHIN_MM[0] and worst <= WITHIN_MM[1]
+    late = float(1e3 * abs(delay - case.delay))
+    return Row(patient.seed, kind, name, accepted, bool(right), said, before, median, worst, echoes, delay_ms=late)
 
 
 def _image_points(probe: PhasedArray) -> np.ndarray:

@@ -15,10 +15,10 @@ from functools import partial
 from AIFReconLib.terminal.arguments import load_method_here
 
 from .command import Study
-from .lumbar_shapes import shapes_folder
 from .method_cases import KINDS, Row, patient_rows
 from .method_figure import study_figure
 from .method_page import in_the_pages, study_page
+from .patients import data_folder
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +31,7 @@ def tasks(arguments: argparse.Namespace) -> tuple[Callable[[tuple[str, int]], li
     """Patients of both kinds."""
     for name in arguments.method:
         load_method_here(name)
-    shapes_folder()
+    data_folder("lumbar-shape")
     given = {f"{kind.replace(' ', '-')}-{seed:03d}": (kind, seed) for seed in range(arguments.patients) for kind in KINDS}
     return partial(patient_rows, own=tuple(arguments.method)), given
 

@@ -4,6 +4,7 @@ where it stopped."""
 from __future__ import annotations
 
 import json
+import os
 import statistics
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import BrokenExecutor, as_completed
@@ -25,6 +26,15 @@ Row = TypeVar("Row", bound="DataclassInstance")
 
 Given = TypeVar("Given")
 """What a task is called with."""
+
+
+def data_folder(name: str) -> Path:
+    """A folder of AIFRECON_DATA_DIR, else of shared/data beside the repository; FileFormatError where it is not there."""
+    beside = Path(__file__).resolve().parents[3] / "shared" / "data"
+    folder = Path(os.environ.get("AIFRECON_DATA_DIR") or beside) / name
+    if not folder.is_dir():
+        raise FileFormatError(f"{folder} is not there. Set AIFRECON_DATA_DIR to the folder that holds {name}/.")
+    return folder
 
 
 @dataclass(frozen=True)
