@@ -15,9 +15,6 @@ from pathlib import Path
 import pytest
 from doc_pages import PAGES, REPOSITORY, ROOTS, SOURCES, Block, anchors, blocks, code_spans, emphasized, first_column, links, name_of, paths
 from doc_workplace import make_workplace, serve
-
-sys.path.insert(0, str(REPOSITORY / "Testing"))
-
 from measured import FOLDER as MEASURED
 from measured import pages as pages_of_measured
 from measured import renewed

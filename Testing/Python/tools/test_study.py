@@ -10,16 +10,9 @@ from datetime import date
 from pathlib import Path
 from types import SimpleNamespace
 
+import measured
 import numpy as np
 import pytest
-
-from AIFReconLib.errors import FileFormatError
-from AIFReconLib.evaluation.surface import distance_from_labels
-from AIFReconLib.geometry.volume import Volume, VoxelGrid
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
-import measured
 from study import method_cases
 from study.__main__ import STUDIES
 from study.__main__ import main as start
@@ -31,6 +24,10 @@ from study.paths_cases import RIGHT as RIGHT_CT
 from study.paths_cases import Row as PathRow
 from study.paths_page import paths_page
 from study.patients import read_rows, run_tasks
+
+from AIFReconLib.errors import FileFormatError
+from AIFReconLib.evaluation.surface import distance_from_labels
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 TESTING = Path(__file__).resolve().parents[2]
 NAMES = [name for _, name, _ in COLUMNS]
