@@ -27,7 +27,6 @@ from AIFReconLib.bone.echoes.finder import BoneEchoFinder
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
-from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.effective_settings import Imaging, imaging_fields
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
@@ -70,22 +69,13 @@ def profiles(volume: Volume, pose: np.ndarray, pixels: np.ndarray, spacing: tupl
     return sample(volume, place(pose, pixels[:, :1], pixels[:, 1:] + offsets / spacing[1])), offsets
 
 
-def measure(values: np.ndarray, offsets: np.ndarray) -> tuple[float, float, float, float]:
-    """Medians over echoes: peak, contrast to the 3 to 8 mm before and to those behind (ratios), and width at half height in mm."""
-    near = np.abs(offsets) <= 1.5
-    peak = np.nanmax(values[:, near], axis=1)
+def measure(values: np.ndarray, offsets: np.ndarray) -> tuple[float, float, float]:
+    """Medians over echoes: peak, and contrast to the 3 to 8 mm before and to those behind (ratios)."""
+    peak = np.nanmax(values[:, np.abs(offsets) <= 1.5], axis=1)
     before = np.nanmean(values[:, (offsets >= -8) & (offsets <= -3)], axis=1)
     behind = np.nanmean(values[:, (offsets >= 3) & (offsets <= 8)], axis=1)
-    widths = []
-    for line, top, floor in zip(values, peak, behind, strict=True):
-        above = np.nan_to_num(line) > (top + floor) / 2
-        labels = np.empty(above.shape, np.int32)
-        ndimage.label(above, output=labels)
-        crest = np.flatnonzero(near)[np.nanargmax(line[near])]
-        widths.append((labels == labels[crest]).sum() * (offsets[1] - offsets[0]) if labels[crest] else np.nan)
-    columns = (peak, peak / np.maximum(before, 1), peak / np.maximum(behind, 1), np.array(widths))
-    level, before_it, behind_it, width = (float(np.nanmedian(column)) for column in columns)
-    return level, before_it, behind_it, width
+    level, before_it, behind_it = (float(np.nanmedian(each)) for each in (peak, peak / np.maximum(before, 1), peak / np.maximum(behind, 1)))
+    return level, before_it, behind_it
 
 
 def show(axes, picture: np.ndarray, extent, title: str, **options) -> None:
@@ -126,14 +116,8 @@ def study(name: str) -> None:
     inner = echoes.pixels[2:-2]
     print(f"{name}: {len(inner)} echoes in frame {middle}")
     for method, result in (results | plain).items():
-        peak, before, behind, width = measure(*profiles(result.intensity, pose, inner, pixel))
-        print(f"  {method:25} peak {peak:5.1f}  to tissue before {before:4.2f}  to shadow behind {behind:5.2f}  width {width:4.2f} mm")
-    difference = np.abs(results[WEIGHTED.name].intensity.array.astype(float) - results[AVERAGE.name].intensity.array)
-    measured = results[AVERAGE.name].mask.array == 1
-    print(f"  weighted differs from average by {difference[measured].mean():.2f} gray levels on average, at most {difference.max():.0f}")
-    hits = np.asarray(results[AVERAGE.name].hits)
-    near_bone = measured & (sample_grid(bone, results[AVERAGE.name].grid) > 0.5)
-    print(f"  pixels per measured voxel: median {np.median(hits[measured]):.0f}; measured voxels with P > 0.5: {near_bone.sum()}")
+        peak, before, behind = measure(*profiles(result.intensity, pose, inner, pixel))
+        print(f"  {method:25} peak {peak:5.1f}  to tissue before {before:4.2f}  to shadow behind {behind:5.2f}")
 
     assert imaging.region.clip is not None, "the recordings have a border"
     left, right, top, bottom = imaging.region.clip.bounds(*sequence.frame_size)
@@ -173,11 +157,6 @@ def study(name: str) -> None:
             show(axes, picture, extent, method, vmin=0, vmax=255)
     IMAGES.mkdir(parents=True, exist_ok=True)
     figure.savefig(IMAGES / f"without-ct-{name}.png", dpi=120, facecolor=BACKGROUND)
-
-
-def sample_grid(bone, grid) -> np.ndarray:
-    """The probability on a reconstruction's voxels."""
-    return bone.on_grid(grid).probability
 
 
 def beside_a_ct() -> None:

@@ -87,6 +87,24 @@ class Module:
             pixels, view_frames.slice_title(logic), node.GetLayoutColor(), view_frames.slice_names(logic), view_frames.slice_letters(node)
         )
 
+    def view_3d(self, title: str, size, shown, away, distance: float, beside=(0.0, 0.0, 0.0), marked: bool = False):
+        """The 3D view under its bar, looking from a direction at the middle of a node, or so far beside it; RAS mm."""
+        import slicer
+
+        from host import view_frames
+
+        node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
+        node.SetBoxVisible(False)
+        node.SetAxisLabelsVisible(False)
+        if marked:
+            node.SetOrientationMarkerType(node.OrientationMarkerTypeAxes)
+        bounds = [0.0] * 6
+        shown.GetRASBounds(bounds)
+        center = np.reshape(bounds, (3, 2)).mean(axis=1) + beside
+        with view_render.OffscreenThreeDView(node, self.application, size) as view:
+            view.look(center, center + away, (0.0, 0.0, 1.0), distance)
+            return view_frames.framed(view.image(), title, node.GetLayoutColor())
+
 
 def panel(module: Module, folder: Path) -> None:
     """panel.png: the panel after a reconstruction, when its coverage is told."""
