@@ -33,7 +33,7 @@ help:
 	@echo "make lint         only lint, format check, types and workflows"
 	@echo "make format       reformat the code"
 	@echo "make bench        measure the speed of this machine, and renew the tables of docs/performance.md"
-	@echo "make study        compare all methods, register CTs, mend calibrations, scan by guidance, find bone in CTs and probes on screens, into $(STUDY_OUTPUT)/ and the pages (two hours)"
+	@echo "make study        compare all methods, register CTs, mend calibrations, scan by guidance and find bone in CTs, into $(STUDY_OUTPUT)/ and the pages (two hours)"
 	@echo "make real-bone    compare all methods on a recorded sweep of real bone with its CT, into $(REAL_BONE_OUTPUT)/ and the pages (half an hour)"
 	@echo "make soak         an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
 	@echo "make faults       kill what writes and records, at random, for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
@@ -123,7 +123,6 @@ study: setup
 	@$(BIN)/python Testing/study paths --pages --output "$(STUDY_OUTPUT)/paths"
 	@$(BIN)/python Testing/study motion --pages --output "$(STUDY_OUTPUT)/motion"
 	@$(BIN)/python Testing/study ct_bone --output "$(STUDY_OUTPUT)/ct-bone"
-	@$(BIN)/python Testing/study screens --output "$(STUDY_OUTPUT)/screens"
 
 # Not run by continuous integration: the recording is not part of the project
 real-bone: setup

@@ -14,14 +14,13 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from unittest.mock import patch
 
 import numpy as np
 
 from AIFReconLib import reconstruction
-from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.extent import grid_around_sweep
@@ -35,83 +34,41 @@ from AIFReconLib.terminal.console import ProgressBar
 from AIFReconLib.workflows.benchmark import busy_share, busy_warning, fan_sweep, machine, sector_probe, slab_of_bone
 
 METHODS = ("average", "aif-compensated", "weighted")
-FRAMES, SIZE, SPACING = 60, (640, 480), 0.5
-FRAMES_VARIED = (15, 30, 60, 120, 240)
-SIZES = ((160, 120), (320, 240), (640, 480), (1280, 960))
-SPACINGS = (2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25)
-PARTS = (1, 2, 4, 8, 16, 32)
+Around = Callable[[], AbstractContextManager[object]]
+"""What surrounds a job."""
 
 
-@dataclass(frozen=True)
-class Point:
-    """Seconds of a job, the least of several, and what was varied.
-
-    Parameters
-    ----------
-    over : str
-        What was varied.
-    amount : float
-        Of that.
-    method : str
-    seconds : float
-    """
-
-    over: str
-    amount: float
-    method: str
-    seconds: float
-
-
-@dataclass(frozen=True)
-class Job:
-    """A sweep and where it goes, and what of it is the `amount` that is varied."""
-
-    over: str
-    amount: float
-    sweep: TrackedSequence
-    grid: VoxelGrid
-    bone: BoneMap
-    surroundings: Callable[[], AbstractContextManager[object]] = nullcontext
-
-    def run(self, method: str) -> None:
-        """Reconstruct."""
-        columns_and_rows = self.sweep.frame_size
-        with self.surroundings():
-            settings = ReconstructionSettings(method=method)
-            reconstruction.reconstruct(
-                self.sweep, replace(settings, **imaging_fields(probe=sector_probe(*columns_and_rows))), self.bone, self.grid, beside=()
-            )
-
-
-def jobs() -> Iterator[Job]:
-    """What is measured, point by point."""
-    for frames in FRAMES_VARIED:
-        yield _job("frames", frames, frames=frames)
-    for size in SIZES:
-        yield _job("pixels of a frame", math.prod(size), size=size)
-    for spacing in SPACINGS:
-        job = _job("voxels of the box", 0, spacing=spacing)
-        yield Job(job.over, job.grid.voxels, job.sweep, job.grid, job.bone)
-    for threads in sorted({1, 2, *(2**n for n in range(usable_cores().bit_length())), usable_cores()}):
-        if threads <= usable_cores():
-            yield _job("threads", threads, partial(patch.dict, os.environ, NUMBA_NUM_THREADS=str(threads)))
-    for parts in PARTS:
-        yield _job("parts", parts, partial(patch.object, reconstruction, "cut_into_parts", partial(_cut, parts)))
+def jobs() -> Iterator[tuple[str, float, Callable[[str], None]]]:
+    """What is varied, how much of it there is, and the job, a function of the method."""
+    for frames in (15, 30, 60, 120, 240):
+        yield "frames", frames, _job(frames=frames)[1]
+    for size in ((160, 120), (320, 240), (640, 480), (1280, 960)):
+        yield "pixels of a frame", math.prod(size), _job(size=size)[1]
+    for spacing in (2.0, 1.4, 1.0, 0.7, 0.5, 0.35, 0.25):
+        yield "voxels of the box", *_job(spacing=spacing)
+    cores = usable_cores()
+    for threads in sorted({cores, *(2**n for n in range(cores.bit_length()) if 2**n <= cores)}):
+        yield "threads", threads, _job(partial(patch.dict, os.environ, NUMBA_NUM_THREADS=str(threads)))[1]
+    for parts in (1, 2, 4, 8, 16, 32):
+        yield "parts", parts, _job(partial(patch.object, reconstruction, "cut_into_parts", partial(_cut, parts)))[1]
 
 
 def _job(
-    over: str,
-    amount: float,
-    surroundings: Callable[[], AbstractContextManager[object]] = nullcontext,
-    frames: int = FRAMES,
-    size: tuple[int, int] = SIZE,
-    spacing: float = SPACING,
-) -> Job:
+    around: Around = nullcontext, frames: int = 60, size: tuple[int, int] = (640, 480), spacing: float = 0.5
+) -> tuple[int, Callable[[str], None]]:
+    """The voxels of a job, and the job."""
     fan = fan_sweep(frames, *size)
     poses = np.array([frame.placed()[1] for frame in fan])
     grid = grid_around_sweep(poses, size, ImageRegion(), (spacing,) * 3)
     sweep = TrackedSequence.from_arrays(np.stack([frame.placed()[0] for frame in fan]), poses)
-    return Job(over, amount, sweep, grid, slab_of_bone(grid), surroundings)
+    bone = slab_of_bone(grid)
+
+    def work(method: str) -> None:
+        settings = replace(ReconstructionSettings(method=method), **imaging_fields(probe=sector_probe(*size)))
+        with around():
+            reconstruction.reconstruct(sweep, settings, bone, grid, beside=())
+
+    return grid.voxels, work
 
 
 def _cut(parts: int, grid: VoxelGrid, *_: object) -> list[tuple[int, int]]:
@@ -119,36 +76,30 @@ def _cut(parts: int, grid: VoxelGrid, *_: object) -> list[tuple[int, int]]:
     return [(n * planes // parts, (n + 1) * planes // parts) for n in range(parts)]
 
 
-def measure(repeats: int) -> list[Point]:
-    """Time every job; each is done once before, which compiles."""
-    points = []
+def measure(repeats: int) -> dict[tuple[str, str], list[tuple[float, float]]]:
+    """Amount and least seconds of several, by what is varied and method; each job is done once before, which compiles."""
+    found: dict[tuple[str, str], list[tuple[float, float]]] = {}
     with ProgressBar() as progress:
         every = list(jobs())
-        for number, job in enumerate(every):
-            report(progress, number / len(every), f"Over {job.over}")
+        for number, (over, amount, work) in enumerate(every):
+            report(progress, number / len(every), f"Over {over}")
             for method in METHODS:
-                job.run(method)
                 taken = []
-                for _ in range(repeats):
+                for _ in range(repeats + 1):
                     begun = time.perf_counter()
-                    job.run(method)
+                    work(method)
                     taken.append(time.perf_counter() - begun)
-                points.append(Point(job.over, job.amount, method, min(taken)))
-    return points
+                found.setdefault((over, method), []).append((amount, min(taken[1:])))
+    return found
 
 
-def slopes(points: list[Point]) -> list[tuple[str, ...]]:
-    """A table: what a job takes at the least and at the most of each amount, and the exponent of the growth between them."""
+def slopes(found: dict[tuple[str, str], list[tuple[float, float]]]) -> list[tuple[str, ...]]:
+    """A table: what a job takes at the least and at the most of each amount, and the exponent of the growth at the end."""
     rows: list[tuple[str, ...]] = [("over", "method", "from", "to", "seconds", "to", "exponent at the end")]
-    for over in dict.fromkeys(point.over for point in points):
-        for method in METHODS:
-            some = [point for point in points if (point.over, point.method) == (over, method)]
-            first, last = some[0], some[-1]
-            before = some[-2] if len(some) > 1 else first
-            ratio = math.log(last.amount / before.amount) if last.amount != before.amount else math.nan
-            exponent = math.log(last.seconds / before.seconds) / ratio
-            ends = f"{first.amount:g}", f"{last.amount:g}", f"{first.seconds:.3f}", f"{last.seconds:.3f}"
-            rows.append((over, method, *ends, f"{exponent:.2f}"))
+    for (over, method), points in found.items():
+        (least, first), (before, near), (most, last) = points[0], points[max(len(points) - 2, 0)], points[-1]
+        exponent = math.log(last / near) / math.log(most / before) if most != before else math.nan
+        rows.append((over, method, f"{least:g}", f"{most:g}", f"{first:.3f}", f"{last:.3f}", f"{exponent:.2f}"))
     return rows
 
 
@@ -160,6 +111,6 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--repeats", type=int, default=3, metavar="N", help="the least of this many counts (default: %(default)s)")
     arguments = parser.parse_args(words)
     busy = busy_share()
-    points = measure(arguments.repeats)
+    found = measure(arguments.repeats)
     print("\n".join(filter(None, (machine(), busy_warning(busy)))))
-    print(columns(slopes(points)))
+    print(columns(slopes(found)))

@@ -13,7 +13,6 @@ import argparse
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -75,12 +74,12 @@ def _least(works: dict[str, Callable[[], object]], repeats: int) -> dict[str, fl
     return least
 
 
-def measure(repeats: int) -> list[dict[str, Any]]:
-    """Every method beside its limit, on sweeps along the grid and across it."""
+def measure(repeats: int) -> list[tuple[str, ...]]:
+    """Every method beside its limit, on sweeps along the grid and across it: rows under `HEADING`."""
     loops = optional_module("benchmark.numba_yardstick")
     if loops is None:
         raise SystemExit("The limits are those of compiled loops: install numba.")
-    found: list[dict[str, Any]] = []
+    found: list[tuple[str, ...]] = []
     cases = [(turn, spacing) for turn in (0.0, TURN_DEG) for spacing in SPACINGS]
     with ProgressBar() as progress:
         for number, (turn, spacing) in enumerate(cases):
@@ -92,7 +91,7 @@ def measure(repeats: int) -> list[dict[str, Any]]:
             counts, latest = hits.view(np.uint32), np.zeros(grid.voxels, np.uint8)
             images, room = np.stack([frame.placed()[0] for frame in sweep]), np.empty((FRAMES, ROWS, COLUMNS), np.uint8)
             works: dict[str, Callable[[], object]] = {
-                "copy": partial(np.copyto, room, images),
+                "copy of the images": partial(np.copyto, room, images),
                 "hit": partial(loops.hit, voxels, pixels, latest, counts),
                 "weighed": partial(loops.add_weighed, voxels, pixels, value, weight, counts),
             }
@@ -101,13 +100,12 @@ def measure(repeats: int) -> list[dict[str, Any]]:
                 known = bone if method in BONE_METHODS else None
                 reconstructor = Reconstructor(grid, settings, known, probe=PROBE, threads=1)
                 works[method] = partial(reconstructor.insert, sweep)
-            least = _least(works, repeats)
-            ns = {name: 1e9 * seconds / (FRAMES * ROWS * COLUMNS) for name, seconds in least.items()}
-            where = f"turned {turn:g} degrees" if turn else "along the grid"
-            found.append({"sweep": where, "spacing_mm": spacing, "what": "copy of the images", "ns": ns["copy"], "limit_ns": None})
+            ns = {name: 1e9 * seconds / (FRAMES * ROWS * COLUMNS) for name, seconds in _least(works, repeats).items()}
+            where = f"turned {turn:g} degrees" if turn else "along the grid", f"{spacing:g} mm"
+            found.append((*where, "copy of the images", f"{ns['copy of the images']:.2f}", "", ""))
             for method in METHODS:
-                limit = "hit" if method in ("average", "latest") else "weighed"
-                found.append({"sweep": where, "spacing_mm": spacing, "what": method, "ns": ns[method], "limit_ns": ns[limit]})
+                limit = ns["hit" if method in ("average", "latest") else "weighed"]
+                found.append((*where, method, f"{ns[method]:.2f}", f"{limit:.2f}", f"{ns[method] / limit:.1f}"))
     return found
 
 
@@ -121,9 +119,4 @@ def main(words: list[str] | None = None) -> None:
     busy = busy_share()
     found = measure(arguments.repeats)
     print("\n".join(filter(None, (machine(), busy_warning(busy)))))
-    rows: list[tuple[str, ...]] = [HEADING]
-    for row in found:
-        limit = row["limit_ns"]
-        beside = ("", "") if limit is None else (f"{limit:.2f}", f"{row['ns'] / limit:.1f}")
-        rows.append((row["sweep"], f"{row['spacing_mm']:g} mm", row["what"], f"{row['ns']:.2f}", *beside))
-    print(columns(rows))
+    print(columns([HEADING, *found]))

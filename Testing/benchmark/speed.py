@@ -32,7 +32,6 @@ from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.machine.threads import optional_module, usable_cores
-from AIFReconLib.message import columns
 from AIFReconLib.progress import Progress, report
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
@@ -150,7 +149,6 @@ def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
         jobs.append(_method_job(method, "numpy", 1, few, grid, bone, spacing, linear=linear))
         for threads in _numba_threads():
             jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing, linear=linear))
-    jobs += [_whole_job("average", threads, sweep, grid, bone, spacing) for threads in _numba_threads()[-1:]]
     return jobs
 
 
@@ -161,7 +159,6 @@ def _turned_jobs(frames: int, spacing: float) -> list[Job]:
     jobs = _yardstick_jobs(TURNED_METHODS, sweep, grid, bone, spacing)
     for threads in _numba_threads()[-1:]:
         jobs += [_method_job(method, "numba", threads, sweep, grid, bone, spacing) for method in TURNED_METHODS]
-        jobs.append(_whole_job("average", threads, sweep, grid, bone, spacing))
     return [(work, replace(row, what=f"{row.what}, turned {TURN_DEG:g} degrees"), count) for work, row, count in jobs]
 
 
@@ -195,20 +192,6 @@ def _method_job(
     cost = bytes_per_voxel(method, on_grid, best_cosine=False, shares=linear, whole=True, beside=(), output=1)
     what = f"{method}, linear interpolation" if linear else method
     return lambda: reconstructor.insert(sweep), Timing(what, engine, threads, spacing, 0.0, bytes_per_voxel=cost), len(sweep)
-
-
-def _whole_job(method: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> Job:
-    """Memory, bone map, inserting and finishing: what a volume takes from the first frame to the last voxel, holes left."""
-    settings = ReconstructionSettings(method=method, engine="numba", hole_limit=0.0)
-    known = bone if method in BONE_METHODS else None
-
-    def work() -> None:
-        reconstructor = Reconstructor(grid, settings, known, probe=PROBE, threads=threads, beside=())
-        reconstructor.insert(sweep)
-        reconstructor.finish()
-
-    what = f"{method}, from no memory to the volume of {grid.voxels / 1e6:.0f} million voxels"
-    return work, Timing(what, "numba", threads, spacing, 0.0), len(sweep)
 
 
 def _volume_jobs(voxels: int) -> list[Job]:
@@ -285,8 +268,7 @@ def main(words: list[str] | None = None) -> int:
         frames, spacings, data = max(frames // 3, 2), spacings[:1], None
     with ProgressBar() as progress:
         result = benchmark(frames, arguments.repeats, spacings, voxels=0 if arguments.quick else VOXELS, data=data, progress=progress)
-    print(f"{result.heading()}\n")
-    print(columns(result.rows()))
+    print(result.text())
     if arguments.pages:
         keep(result.in_the_pages(), "make bench", result.machine.replace("\n", "; "))
     return 0

@@ -1,12 +1,10 @@
-"""What a benchmark found, as rows to print and as Markdown."""
+"""What a benchmark found, as Markdown."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from AIFReconLib.workflows.benchmark import busy_warning
-
-HEADING = ("", "engine", "threads", "voxel", "ns/pixel", "frames/s", "x yardstick", "bytes/voxel", "seconds")
 
 
 @dataclass(frozen=True)
@@ -35,10 +33,6 @@ class BenchmarkResult:
     busy: float
     timings: tuple[Timing, ...]
 
-    def rows(self) -> list[tuple[str, ...]]:
-        """The table, heading first."""
-        return [HEADING, *(_cells(timing) for timing in self.timings)]
-
     def heading(self) -> str:
         """What was measured, and where."""
         text = (
@@ -47,15 +41,12 @@ class BenchmarkResult:
         )
         return "\n".join(filter(None, (text, busy_warning(self.busy))))
 
-    def in_the_pages(self) -> dict[str, str]:
-        """What docs/performance.md shows, by the names of the files in docs/measured: methods at the first voxel size, and the rest."""
+    def in_the_pages(self, spacing: float | None = None) -> dict[str, str]:
+        """Tables by the names of the files in docs/measured: methods at a voxel size, the first one by default, and the rest."""
         methods: dict[str, dict[tuple[str, bool], Timing]] = {}
-        others = []
-        spacing = next(timing.spacing_mm for timing in self.timings if timing.spacing_mm)
+        spacing = spacing or self.spacings[0]
         for timing in self.timings:
-            if timing.ns_per_pixel is None:
-                others.append(timing)
-            elif timing.spacing_mm == spacing and "from no memory" not in timing.what:
+            if timing.ns_per_pixel is not None and timing.spacing_mm == spacing:
                 methods.setdefault(timing.what, {})[timing.engine, timing.threads > 1] = timing
         lines = [
             "| | numpy, frames/s | numba, 1 thread | numba, all threads | ns a pixel | x plain loop | bytes a voxel |",
@@ -68,25 +59,22 @@ class BenchmarkResult:
             cells += [_shown(best.ns_per_pixel, ".1f"), _shown(best.times_yardstick, ".1f"), _shown(best.bytes_per_voxel, "d")]
             lines.append(f"| {what} | " + " | ".join(cells) + " |")
         steps = ["| | engine | threads | seconds | frames/s |", "|---|---|---|---|---|"]
-        for timing in others:
-            speed = timing.frames_per_second if timing.seconds and timing.what.startswith("reading") else None
-            steps.append(f"| {timing.what} | {timing.engine} | {timing.threads} | {timing.seconds:.2f} | {_shown(speed, '.0f')} |")
+        for timing in self.timings:
+            if timing.ns_per_pixel is None:
+                speed = timing.frames_per_second if timing.seconds and timing.what.startswith("reading") else None
+                steps.append(f"| {timing.what} | {timing.engine} | {timing.threads} | {timing.seconds:.2f} | {_shown(speed, '.0f')} |")
         return {"speed-methods": "\n".join(lines), "speed-steps": "\n".join(steps)}
+
+    def text(self) -> str:
+        """What was measured, and where; the methods at every voxel size, and the rest."""
+        methods = [f"Voxels of {spacing:g} mm\n{self.in_the_pages(spacing)['speed-methods']}" for spacing in self.spacings]
+        return "\n\n".join([self.heading(), *methods, self.in_the_pages()["speed-steps"]])
+
+    @property
+    def spacings(self) -> list[float]:
+        """mm. The voxel sizes that were timed."""
+        return [*dict.fromkeys(timing.spacing_mm for timing in self.timings if timing.spacing_mm and timing.ns_per_pixel is not None)]
 
 
 def _shown(value: float | None, form: str) -> str:
     return "" if value is None else format(value, form)
-
-
-def _cells(t: Timing) -> tuple[str, ...]:
-    return (
-        t.what,
-        t.engine,
-        str(t.threads),
-        "" if t.spacing_mm is None else f"{t.spacing_mm:g} mm",
-        _shown(t.ns_per_pixel, ".2f"),
-        _shown(t.frames_per_second, ".0f"),
-        _shown(t.times_yardstick, ".1f"),
-        _shown(t.bytes_per_voxel, "d"),
-        f"{t.seconds:.3f}",
-    )

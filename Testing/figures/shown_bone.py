@@ -5,20 +5,21 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 
 import numpy as np
 import vtk
 from scipy import ndimage
-from vtk.util import numpy_support
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "AIFRecon"))
 
-from AIFReconScene.picture.spineView import FARTHEST, distanceColors, surfaceOf
+from host import i18n
 from study.method_cases import EFFECTS, PHANTOM, patient_of, placed_labels, simulated_scan
 
+from AIFReconLib.geometry.level_surface import level_surface
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.inspection.bone_surface import bone_surface
 from AIFReconLib.inspection.shown_bone import shown_bone
@@ -26,6 +27,9 @@ from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import multi_angle_sweep
+
+sys.modules["slicer.i18n"] = i18n  # slicer-core has none
+spine_view = importlib.import_module("AIFReconScene.picture.spineView")
 
 PICTURE = Path(__file__).resolve().parents[2] / "docs" / "images" / "shown-bone.png"
 SEED, FRAMES, SPACING = 0, 270, 0.7
@@ -39,21 +43,9 @@ FROM_BEHIND, FROM_THE_SIDE = (0.0, -1.0, 0.1), (0.9, -0.45, 0.1)
 
 def surface_of_labels(labels: Volume) -> vtk.vtkPolyData:
     """The surface of all labels without the steps of their voxels, in Reference."""
-    image = vtk.vtkImageData()
-    array = ndimage.gaussian_filter(np.pad((labels.array > 0).astype(np.float32), 1), 1.0)
-    image.SetDimensions(*array.shape[::-1])
-    image.SetOrigin(-1.0, -1.0, -1.0)
-    image.GetPointData().SetScalars(numpy_support.numpy_to_vtk(array.ravel(), deep=True))
-    edges = vtk.vtkFlyingEdges3D()
-    edges.SetInputData(image)
-    edges.SetValue(0, 0.5)
-    place = vtk.vtkTransform()
-    place.SetMatrix(labels.ijk_to_reference.ravel().tolist())
-    placed = vtk.vtkTransformPolyDataFilter()
-    placed.SetTransform(place)
-    placed.SetInputConnection(edges.GetOutputPort())
+    smooth = ndimage.gaussian_filter((labels.array > 0).astype(np.float32), 1.0)
     normals = vtk.vtkPolyDataNormals()
-    normals.SetInputConnection(placed.GetOutputPort())
+    normals.SetInputData(level_surface(Volume(smooth, labels.ijk_to_reference), 0.5, 0.0))
     normals.SplittingOff()
     normals.Update()
     return normals.GetOutput()
@@ -64,13 +56,13 @@ def actor_of(surface: vtk.vtkPolyData, color: tuple[float, float, float], opacit
     mapper = vtk.vtkPolyDataMapper()
     mapper.SetInputData(surface)
     if surface.GetPointData().GetScalars() is not None and opacity == 1.0:
-        colors = distanceColors()
+        colors = spine_view.distanceColors()
         table = vtk.vtkLookupTable()
         table.SetNumberOfTableValues(len(colors))
         for number, each in enumerate(colors):
             table.SetTableValue(number, *each, 1.0)
         mapper.SetLookupTable(table)
-        mapper.SetScalarRange(0.0, FARTHEST)
+        mapper.SetScalarRange(0.0, spine_view.FARTHEST)
     else:
         mapper.ScalarVisibilityOff()
     actor = vtk.vtkActor()
@@ -87,8 +79,8 @@ def main() -> None:
     sequence = simulated_scan(back, PhasedArray(), multi_angle_sweep(back, FRAMES), SEED, EFFECTS).sequence
     found = bone_surface(shown_bone(reconstruct(sequence, Recipe(spacing=SPACING, hole_limit=2.0), labels), labels, np.eye(4)))
     assert found is not None
-    ct, bone = surface_of_labels(labels), surfaceOf(found)
-    color = tuple(distanceColors()[0])
+    ct, bone = surface_of_labels(labels), spine_view.surfaceOf(found)
+    color = tuple(spine_view.distanceColors()[0])
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(True)
     window.SetAlphaBitPlanes(True)

@@ -14,8 +14,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from scipy import ndimage
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -27,8 +25,8 @@ from AIFReconLib.bone.echoes.finder import BoneEchoFinder
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
-from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.effective_settings import Imaging, imaging_fields
+from AIFReconLib.evaluation.figures import Panel, draw_panels, own_looks, save_figure
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
@@ -47,7 +45,7 @@ RECORDINGS = {
     "bone": ("BoneUltrasound_L14.igs.mha", "BoneUltrasound_L14_config.xml", 0.3),
     "spine-phantom": ("SpinePhantomFreehand.igs.mha", "SpinePhantom_NN_MEAN.xml", 0.4),
 }
-INK, BACKGROUND, ECHO_COLOR = "#e8e8e8", "#111111", "#ffb000"
+ECHO_COLOR = "#ffb000"
 AROUND = 10.0
 """mm before and behind an echo that its profile shows."""
 
@@ -70,33 +68,21 @@ def profiles(volume: Volume, pose: np.ndarray, pixels: np.ndarray, spacing: tupl
     return sample(volume, place(pose, pixels[:, :1], pixels[:, 1:] + offsets / spacing[1])), offsets
 
 
-def measure(values: np.ndarray, offsets: np.ndarray) -> tuple[float, float, float, float]:
-    """Medians over echoes: peak, contrast to the 3 to 8 mm before and to those behind (ratios), and width at half height in mm."""
-    near = np.abs(offsets) <= 1.5
-    peak = np.nanmax(values[:, near], axis=1)
+def measure(values: np.ndarray, offsets: np.ndarray) -> tuple[float, float, float]:
+    """Medians over echoes: peak, and contrast to the 3 to 8 mm before and to those behind (ratios)."""
+    peak = np.nanmax(values[:, np.abs(offsets) <= 1.5], axis=1)
     before = np.nanmean(values[:, (offsets >= -8) & (offsets <= -3)], axis=1)
     behind = np.nanmean(values[:, (offsets >= 3) & (offsets <= 8)], axis=1)
-    widths = []
-    for line, top, floor in zip(values, peak, behind, strict=True):
-        above = np.nan_to_num(line) > (top + floor) / 2
-        labels = np.empty(above.shape, np.int32)
-        ndimage.label(above, output=labels)
-        crest = np.flatnonzero(near)[np.nanargmax(line[near])]
-        widths.append((labels == labels[crest]).sum() * (offsets[1] - offsets[0]) if labels[crest] else np.nan)
-    columns = (peak, peak / np.maximum(before, 1), peak / np.maximum(behind, 1), np.array(widths))
-    level, before_it, behind_it, width = (float(np.nanmedian(column)) for column in columns)
-    return level, before_it, behind_it, width
+    level, before_it, behind_it = (float(np.nanmedian(each)) for each in (peak, peak / np.maximum(before, 1), peak / np.maximum(behind, 1)))
+    return level, before_it, behind_it
 
 
-def show(axes, picture: np.ndarray, extent, title: str, **options) -> None:
-    """One panel."""
-    axes.imshow(picture, cmap=options.pop("cmap", "gray"), extent=extent, aspect="equal", interpolation="bilinear", **options)
-    axes.set_title(title, color=INK, fontsize=8)
-    axes.set_facecolor("#1b2740")
-    axes.set_xticks([])
-    axes.set_yticks([])
+def panel_of(name: str, values: np.ndarray, size: tuple[float, float], most: float = 255.0) -> Panel:
+    """A picture of so many mm, NaN where nothing was scanned."""
+    return Panel(name, values, size, ("", "", "", ""), (0.0, most))
 
 
+@own_looks()
 def study(name: str) -> None:
     """Reconstruct one recording with every method, print the numbers, write the figure."""
     file, configuration, spacing = RECORDINGS[name]
@@ -126,14 +112,8 @@ def study(name: str) -> None:
     inner = echoes.pixels[2:-2]
     print(f"{name}: {len(inner)} echoes in frame {middle}")
     for method, result in (results | plain).items():
-        peak, before, behind, width = measure(*profiles(result.intensity, pose, inner, pixel))
-        print(f"  {method:25} peak {peak:5.1f}  to tissue before {before:4.2f}  to shadow behind {behind:5.2f}  width {width:4.2f} mm")
-    difference = np.abs(results[WEIGHTED.name].intensity.array.astype(float) - results[AVERAGE.name].intensity.array)
-    measured = results[AVERAGE.name].mask.array == 1
-    print(f"  weighted differs from average by {difference[measured].mean():.2f} gray levels on average, at most {difference.max():.0f}")
-    hits = np.asarray(results[AVERAGE.name].hits)
-    near_bone = measured & (sample_grid(bone, results[AVERAGE.name].grid) > 0.5)
-    print(f"  pixels per measured voxel: median {np.median(hits[measured]):.0f}; measured voxels with P > 0.5: {near_bone.sum()}")
+        peak, before, behind = measure(*profiles(result.intensity, pose, inner, pixel))
+        print(f"  {method:25} peak {peak:5.1f}  to tissue before {before:4.2f}  to shadow behind {behind:5.2f}")
 
     assert imaging.region.clip is not None, "the recordings have a border"
     left, right, top, bottom = imaging.region.clip.bounds(*sequence.frame_size)
@@ -145,41 +125,22 @@ def study(name: str) -> None:
     travel = float(np.linalg.norm(ends[1] - ends[0], axis=-1).mean())
     share = np.linspace(0, 1, max(round(travel / 0.25), 2))[None, :, None]
     along = ends[0][:, None] * (1 - share) + ends[1][:, None] * share
-    rows = [(in_plane, (0, box[0], box[1], 0), "frame")] + ([(along, (0, travel, box[1], 0), "along the sweep")] if travel > 10 else [])
-
-    height = 0.25 + 2.25 * len(rows)
-    figure = Figure(figsize=(9.6, height), facecolor=BACKGROUND)
-    FigureCanvasAgg(figure)
-    panels = figure.subplots(
-        len(rows),
-        6,
-        squeeze=False,
-        gridspec_kw={"left": 0.02, "right": 0.995, "bottom": 0.01, "top": 1 - 0.22 / height, "wspace": 0.03, "hspace": 0.1},
-    )
-    for row, (points, extent, label) in zip(panels, rows, strict=True):
-        if label == "frame":
-            picture = sequence.images[middle][top : bottom + 1, left : right + 1]
-            show(row[0], picture, extent, "one frame, echoes found", vmin=0, vmax=255)
-            row[0].plot((echoes.pixels[:, 0] - left) * pixel[0], (echoes.pixels[:, 1] - top) * pixel[1], ".", color=ECHO_COLOR, ms=0.8)
-            row[0].set_xlim(*extent[:2])
-            row[0].set_ylim(*extent[2:])
-        else:
-            row[0].set_axis_off()
-        row[0].set_ylabel(label, color=INK, fontsize=8)
-        show(row[1], np.nan_to_num(sample(bone.probability, points)), extent, "bone from the sweep", cmap="inferno", vmin=0, vmax=1)
-        for axes, (method, result) in zip(row[2:], results.items(), strict=True):
-            empty = np.nan_to_num(sample(result.mask, points, order=0)) == 0
-            picture = np.ma.masked_array(np.nan_to_num(sample(result.intensity, points)), mask=empty)
-            show(axes, picture, extent, method, vmin=0, vmax=255)
-    IMAGES.mkdir(parents=True, exist_ok=True)
-    figure.savefig(IMAGES / f"without-ct-{name}.png", dpi=120, facecolor=BACKGROUND)
+    cuts = [("frame", in_plane, box)] + ([("along the sweep", along, (travel, box[1]))] if travel > 10 else [])
+    rows = []
+    for label, points, size in cuts:
+        row = [panel_of("bone from the sweep", np.nan_to_num(sample(bone.probability, points)), size, 1.0)]
+        for method, result in results.items():
+            seen = np.nan_to_num(sample(result.mask, points, order=0)) != 0
+            row.append(panel_of(method, np.where(seen, sample(result.intensity, points), np.nan), size))
+        rows.append([replace(row[0], side=label), *row[1:]])
+    rows[0].append(panel_of("echoes of one frame", sequence.images[middle][top : bottom + 1, left : right + 1].astype(float), box))
+    figure = draw_panels(rows, 1.5 / box[0], f"{file}, without a CT", "blue: not scanned")
+    dots = (echoes.pixels - (left, top)) * pixel
+    figure.axes[len(rows[0]) - 1].plot(*dots.T, ".", color=ECHO_COLOR, ms=0.8)
+    save_figure(IMAGES / f"without-ct-{name}.png", figure)
 
 
-def sample_grid(bone, grid) -> np.ndarray:
-    """The probability on a reconstruction's voxels."""
-    return bone.on_grid(grid).probability
-
-
+@own_looks()
 def beside_a_ct() -> None:
     """A real bone and a patient of real shape: average, `weighted` without the CT, and with it."""
     bone, patient = RealBone.found(), Patient.scanned(0)
@@ -188,28 +149,27 @@ def beside_a_ct() -> None:
         "real bone (fibula)": (bone.sequence, Recipe(probe=LINEAR, spacing=0.5), bone.labels, 2),
         "real shape, simulated": (scanned, Recipe(spacing=0.7), placed, 0),
     }
-    figure = Figure(figsize=(9.6, 3.9), facecolor=BACKGROUND)
-    FigureCanvasAgg(figure)
-    layout = {"left": 0.03, "right": 0.995, "bottom": 0.01, "top": 0.94, "wspace": 0.03, "hspace": 0.04, "height_ratios": (1, 1.3)}
-    panels = figure.subplots(2, 3, gridspec_kw=layout)
-    for number, (row, (name, (sequence, recipe, labels, axis))) in enumerate(zip(panels, cases.items(), strict=True)):
+    rows = []
+    for name, (sequence, recipe, labels, axis) in cases.items():
         volumes = {
             "average": reconstruct(sequence, replace(recipe, method=AVERAGE.name)),
             "weighted, without a CT": reconstruct(sequence, recipe, bone_from_sweep(sequence, recipe)),
             "weighted, with its CT": reconstruct(sequence, recipe, LabeledBone(labels, None, sequence, recipe)),
         }
-        for axes, (title, result) in zip(row, volumes.items(), strict=True):
+        row = []
+        for title, result in volumes.items():
             shown = result.mask.array != 0
             solid = np.nan_to_num(sample(labels, grid_points(result.grid), order=0)) > 0
             rim = solid & ~ndimage.binary_erosion(solid) & shown
             plane = int(np.argmax(rim.sum(axis=tuple(n for n in range(3) if n != axis))))
-            picture = np.ma.masked_array(result.intensity.array, mask=~shown).take(plane, axis)
-            sides = np.delete(result.grid.spacing[::-1], axis) * picture.shape
-            if sides[0] > sides[1]:  # the long way lies across the page
-                picture, sides = picture.T, sides[::-1]
-            show(axes, picture, (0, sides[1], 0, sides[0]), "" if number else title, vmin=0, vmax=255, origin="lower")
-        row[0].set_ylabel(name, color=INK, fontsize=8)
-    figure.savefig(IMAGES / "without-ct-beside.png", dpi=120, facecolor=BACKGROUND)
+            picture = np.where(shown, result.intensity.array, np.nan).take(plane, axis)
+            height, width = np.delete(result.grid.spacing[::-1], axis) * picture.shape
+            if height > width:  # the long way lies across the page
+                picture, height, width = picture.T, width, height
+            row.append(panel_of(title, picture[::-1], (width, height)))
+        rows.append([replace(row[0], side=name), *row[1:]])
+    scale = 3.0 / max(panel.size[0] for row in rows for panel in row)
+    save_figure(IMAGES / "without-ct-beside.png", draw_panels(rows, scale, "With a CT and without", "blue: not scanned"))
 
 
 def grid_points(grid) -> np.ndarray:

@@ -4,7 +4,7 @@ Real: the MRML scene, nodes and logics (slicer-core); VTK; Qt with its layouts, 
 `slicer.util` (slicer-core ships Slicer's own file); the module and its .ui file.
 
 Stood in, as small as can be: PythonQt's way of showing Qt (`pythonqt.py`, `connections.py`); CTK's and MRML's widgets (`widgets_ctk.py`,
-`widgets_qmrml.py`), whose accepted names tests compare with their headers and with what the running application told of them; the
+`widgets_qmrml.py`), whose accepted names a test compares with what the running application told of them; the
 application object, its window, views and module list (`application.py`, `windows.py`, `views.py`, `modules.py`);
 `slicer.ScriptedLoadableModule`, `slicer.parameterNodeWrapper`, `slicer.i18n` and the part of `SampleData` that registers data.
 

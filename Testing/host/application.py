@@ -12,29 +12,11 @@ VERSION = (5, 11)
 """The Slicer that the host takes itself for."""
 
 
-class qSlicerModuleFactoryManager(QtCore.QObject):
-    """Which modules were loaded."""
-
-    api = {"methods": ("loadedModuleNames", "isLoaded", "registeredModuleNames", "instantiatedModuleNames")}
-
-    def __init__(self, modules):
-        super().__init__()
-        self._modules = modules
-
-    def loadedModuleNames(self):
-        return list(self._modules)
-
-    registeredModuleNames = instantiatedModuleNames = loadedModuleNames
-
-    def isLoaded(self, name):
-        return name in self._modules
-
-
 class qSlicerModuleManager(QtCore.QObject):
     """The modules, and the signals of their coming and going."""
 
     api = {
-        "methods": ("factoryManager", "modulesNames", "module"),
+        "methods": ("module",),
         "signals": {"moduleLoaded(QString)": "moduleLoaded", "moduleAboutToBeUnloaded(QString)": "moduleAboutToBeUnloaded"},
     }
     moduleLoaded = Signal(str)
@@ -43,31 +25,9 @@ class qSlicerModuleManager(QtCore.QObject):
     def __init__(self) -> None:
         super().__init__()
         self.loaded: dict = {}
-        self._factory = qSlicerModuleFactoryManager(self.loaded)
-
-    def factoryManager(self):
-        return self._factory
-
-    def modulesNames(self):
-        return list(self.loaded)
 
     def module(self, name):
         return self.loaded.get(name)
-
-
-class qSlicerCommandOptions(QtCore.QObject):
-    """What was asked for when the application was started: nothing."""
-
-    api: dict = {}
-
-    def __init__(self):
-        super().__init__()
-        self._run_python_and_exit = False
-
-    def _set(self, value):
-        self._run_python_and_exit = value
-
-    runPythonAndExit = Property(bool, lambda self: self._run_python_and_exit, _set)
 
 
 class qSlicerApplication(QtWidgets.QApplication):
@@ -83,18 +43,8 @@ class qSlicerApplication(QtWidgets.QApplication):
 
     api = {
         "methods": (
-            "mrmlScene",
-            "applicationLogic",
-            "moduleManager",
-            "layoutManager",
-            "commandOptions",
-            "settings",
-            "userSettings",
-            "testingEnabled",
-            "startupEnvironment",
-            "pauseRender",
-            "resumeRender",
-            "restart",
+            *("applicationLogic", "moduleManager", "layoutManager"),
+            *("settings", "userSettings", "testingEnabled", "pauseRender", "resumeRender"),
         ),
         "signals": {"startupCompleted()": "startupCompleted", "renderPaused(bool)": "renderPaused"},
     }
@@ -114,16 +64,12 @@ class qSlicerApplication(QtWidgets.QApplication):
         self._mrml = None
         self._settings = QtCore.QSettings()
         self._manager = qSlicerModuleManager()
-        self._options = qSlicerCommandOptions()
 
     def start(self, mrml):
         self._mrml = mrml
         self._layout_manager = qSlicerLayoutManager(mrml)
         self.window = qSlicerMainWindow(self._manager)
         self.window.show()
-
-    def mrmlScene(self):
-        return self._mrml.scene
 
     def applicationLogic(self):
         return self._mrml.applicationLogic
@@ -134,9 +80,6 @@ class qSlicerApplication(QtWidgets.QApplication):
     def layoutManager(self):
         return self._layout_manager
 
-    def commandOptions(self):
-        return self._options
-
     def settings(self):
         return self._settings
 
@@ -145,17 +88,11 @@ class qSlicerApplication(QtWidgets.QApplication):
     def testingEnabled(self):
         return self.testing
 
-    def startupEnvironment(self):
-        return QtCore.QProcessEnvironment.systemEnvironment()
-
     def pauseRender(self):
         self.renderPaused.emit(True)
 
     def resumeRender(self):
         self.renderPaused.emit(False)
-
-    def restart(self):
-        """Does nothing here."""
 
     temporaryPath = Property(str, lambda self: self._folder)
     slicerHome = Property(str, lambda self: self._folder)

@@ -98,14 +98,8 @@ def execute(dialog) -> int:
     return int(DIALOGS.answer(0))
 
 
-def ask_for_path(parent, filters: int, name_filters) -> str:
-    """Notes a file dialog in place of waiting for it; returns the prepared path, "" for Cancel."""
-    DIALOGS.shown.append(ShownDialog("QFileDialog", "", ";;".join(name_filters)))
-    return str(DIALOGS.answer(""))
-
-
 def ask_statically(kind: str, default):
-    """A function that stands for a static dialog such as QInputDialog.getText."""
+    """A function that stands for a static dialog such as QFileDialog.getSaveFileName."""
 
     def ask(*args):
         DIALOGS.shown.append(ShownDialog(kind, *(str(argument) for argument in args[1:3])))
@@ -114,14 +108,5 @@ def ask_statically(kind: str, default):
     return ask
 
 
-STATIC = {
-    ("QFileDialog", "getOpenFileName"): "",
-    ("QFileDialog", "getSaveFileName"): "",
-    ("QFileDialog", "getExistingDirectory"): "",
-    ("QFileDialog", "getOpenFileNames"): (),
-    ("QInputDialog", "getText"): "",
-    ("QInputDialog", "getItem"): "",
-    ("QInputDialog", "getInt"): 0,
-    ("QInputDialog", "getDouble"): 0.0,
-}
-"""Static functions that open a dialog, with the answer of Cancel."""
+STATIC = {"getSaveFileName": "", "getExistingDirectory": "", "getOpenFileNames": ()}
+"""Functions of QFileDialog that open one, with the answer of Cancel."""

@@ -41,8 +41,8 @@ class Connector:
     Parameters
     ----------
     widget : Wrapper
-    signal : str or None
-        Attribute name of the signal of a change; None where the widget only shows.
+    signal : str
+        Attribute name of the signal of a change.
     read, write : callable
         From the widget, to the widget.
     """
@@ -52,12 +52,11 @@ class Connector:
         self._callback = None
 
     def onChanged(self, callback):
-        if self._signal is not None:
-            signal = getattr(self.widget, self._signal)
-            if callback is None:
-                signal.disconnect(self._changed)
-            else:
-                signal.connect(self._changed)
+        signal = getattr(self.widget, self._signal)
+        if callback is None:
+            signal.disconnect(self._changed)
+        else:
+            signal.connect(self._changed)
         self._callback = callback
 
     def _changed(self):
@@ -70,14 +69,12 @@ def _property(widget, name, signal, convert=lambda value: value, back=lambda val
 
 
 def _number(widget, plain, annotations):
-    spin = type(widget) in (qt.QSpinBox, qt.QSlider)
+    spin = type(widget) is qt.QSpinBox
     within, least = _first(annotations, WithinRange), _first(annotations, Minimum)
     low = within.minimum if within else least.minimum if least else None
     high = within.maximum if within else None
-    if type(widget) in (qt.QSlider, ctk.ctkSliderWidget) and (low is None or high is None):
-        raise RuntimeError(f"Cannot have a connection to {widget.className()} where the type is unbounded.")
-    if not spin and plain is int:
-        widget.decimals = 0
+    if type(widget) is ctk.ctkSliderWidget and (low is None or high is None):
+        raise RuntimeError("Cannot have a connection to ctkSliderWidget where the type is unbounded.")
     widget.minimum = low if low is not None else -(2**31) if spin else float("-inf")
     widget.maximum = high if high is not None else 2**31 - 1 if spin else float("inf")
     return _property(widget, "value", "valueChanged", plain, plain if plain is int else lambda value: value)
@@ -114,10 +111,7 @@ def make_connector(widget, kind) -> Connector:
     look = type(widget)
     if plain is bool and look is qt.QCheckBox:
         return _property(widget, "checked", "stateChanged")
-    if plain is bool and look is qt.QPushButton:
-        widget.checkable = True
-        return _property(widget, "checked", "toggled")
-    if plain is int and look in (qt.QSlider, qt.QSpinBox):
+    if plain is int and look is qt.QSpinBox:
         return _number(widget, plain, annotations)
     if plain in (int, float) and look in (qt.QDoubleSpinBox, ctk.ctkSliderWidget):
         return _number(widget, plain, annotations)
@@ -126,8 +120,6 @@ def make_connector(widget, kind) -> Connector:
         return _items(widget, [label(member) for member in plain], list(plain))
     if plain is str and look is qt.QLineEdit:
         return _text(widget)
-    if plain is str and look is qt.QLabel:
-        return _property(widget, "text", None)
     if look is ctk.ctkPathLineEdit and isinstance(plain, type) and issubclass(plain, pathlib.PurePath):
         return _property(widget, "currentPath", "currentPathChanged", plain, str)
     if look is slicer.qMRMLNodeComboBox and node_classes(plain):

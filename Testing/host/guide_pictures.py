@@ -1,4 +1,4 @@
-"""Pictures of the steps in the user guide: Resources/Screenshots/step-*.png and panel-dark.png, made by `screenshots.py`.
+"""Pictures of the steps in the user guide: Resources/Screenshots/step-*.png, made by `screenshots.py`.
 
 Each function takes the `Module` of that program at the step that its name tells, and the folder to write into.
 """
@@ -21,11 +21,6 @@ BESIDE = (340, 300)
 def empty(module, folder: Path) -> None:
     """step-1-empty.png: the panel in an empty scene, with the reason why nothing can be reconstructed."""
     _write(_panel(module), folder / "step-1-empty.png")
-
-
-def inputs(module, folder: Path) -> None:
-    """step-2-inputs.png: sweep, CT and bone are chosen."""
-    _write(_panel(module), folder / "step-2-inputs.png")
 
 
 def imported(module, folder: Path) -> None:
@@ -101,44 +96,24 @@ def _section(module, first, beyond):
 
 
 def _echoes_in_3d(module):
-    import numpy as np
-    import slicer
     from AIFReconScene.display import threeDViews
 
-    from host import view_frames, view_render
-
     threeDViews.makeSurface(module.parameters.bone)
-    node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
-    node.SetBoxVisible(False)
-    node.SetAxisLabelsVisible(False)
-    bounds = [0.0] * 6
-    module.widget._registration._echoes.node.GetRASBounds(bounds)
-    center = np.reshape(bounds, (3, 2)).mean(axis=1)
-    with view_render.OffscreenThreeDView(node, module.application, BESIDE) as view:
-        view.look(center, np.add(center, (-120.0, -300.0, 120.0)), (0.0, 0.0, 1.0), 300.0)
-        return view_frames.framed(view.image(), "1   Bone of the CT, echoes of the sweep", node.GetLayoutColor())
+    echoes = module.widget._registration._echoes.node
+    return module.view_3d("1   Bone of the CT, echoes of the sweep", BESIDE, echoes, (-120.0, -300.0, 120.0), 300.0)
 
 
 def guidance(module, folder: Path) -> None:
     """step-guidance.png: the bone in the colors of how the sweep met it, with the ghost of the probe, and what the panel says of it."""
-    import numpy as np
-    import slicer
-
-    from host import view_frames, view_render
+    from host import view_frames
 
     ui = module.widget.ui
     ui.coverageMoreButton.checked = True
-    node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
-    node.SetBoxVisible(False)
-    node.SetAxisLabelsVisible(False)
-    with view_render.OffscreenThreeDView(node, module.application, (560, 480)) as view:
-        ui.guidanceCheckBox.click()
-        module.check()
-        bounds = [0.0] * 6
-        module.widget._guidance._colors.node.GetRASBounds(bounds)
-        center = np.add(np.reshape(bounds, (3, 2)).mean(axis=1), (0.0, -25.0, 0.0))
-        view.look(center, np.add(center, (-130.0, -300.0, 110.0)), (0.0, 0.0, 1.0), 430.0)
-        shown = view_frames.framed(view.image(), "1   Bone hit by the sweep, and the next move", node.GetLayoutColor())
+    ui.guidanceCheckBox.click()
+    module.check()
+    bone = module.widget._guidance._colors.node
+    title = "1   Bone hit by the sweep, and the next move"
+    shown = module.view_3d(title, (560, 480), bone, (-130.0, -300.0, 110.0), 430.0, beside=(0.0, -25.0, 0.0))
     section = _section(module, ui.coverageSignalLabel, ui.calibrationSignalLabel)
     picture = view_frames.tiled([[section, shown]], background=_background(module))
     view_frames.write_png(picture, folder / "step-guidance.png")
@@ -185,52 +160,17 @@ def progress(module, folder: Path) -> None:
 
 def result(module, folder: Path) -> None:
     """step-5-result.png: the volume over the CT in three planes, and rendered in 3D with the bone of the CT."""
-    import numpy as np
-    import slicer
-
-    from host import view_frames, view_render
+    from host import view_frames
 
     parameters = module.parameters
     views = {name: module.slice_view(name, SIZE) for name in ("Red", "Yellow", "Green")}
     parameters.volumeRendering = True
     module.check()
     parameters.bone.GetDisplayNode().SetOpacity3D(0.25)
-    node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
-    node.SetBoxVisible(False)
-    node.SetAxisLabelsVisible(False)
-    node.SetOrientationMarkerType(node.OrientationMarkerTypeAxes)
-    bounds = [0.0] * 6
-    parameters.output.GetRASBounds(bounds)
-    center = np.reshape(bounds, (3, 2)).mean(axis=1)
-    with view_render.OffscreenThreeDView(node, module.application, SIZE) as view:
-        view.look(center, np.add(center, (-120.0, -330.0, 160.0)), (0.0, 0.0, 1.0), 330.0)
-        shown = view_frames.framed(view.image(), "1   Volume rendering, bone of the CT", node.GetLayoutColor())
+    shown = module.view_3d("1   Volume rendering, bone of the CT", SIZE, parameters.output, (-120.0, -330.0, 160.0), 330.0, marked=True)
     parameters.volumeRendering = False
     parameters.bone.GetDisplayNode().SetOpacity3D(1.0)
     view_frames.write_png(view_frames.tiled([[views["Red"], shown], [views["Yellow"], views["Green"]]]), folder / "step-5-result.png")
-
-
-def report(module, folder: Path) -> None:
-    """step-6-report.png: the lights, with the tracking report opened."""
-    ui = module.widget.ui
-    ui.trackingMoreButton.checked = True
-    module.host.process_events()
-    whole = _panel(module)
-    top, end = _top(module, ui.applyButton) - 8, _top(module, ui.settingsCollapsibleButton) - 4
-    _write(whole.copy(0, top, PANEL_WIDTH, end - top), folder / "step-6-report.png")
-    ui.trackingMoreButton.checked = False
-
-
-def dark(module, folder: Path) -> None:
-    """panel-dark.png: the panel in a dark style."""
-    from PySide6 import QtWidgets
-
-    from host.panel_looks import dark_palette
-
-    usual = QtWidgets.QApplication.palette()
-    QtWidgets.QApplication.setPalette(dark_palette())
-    _write(_panel(module), folder / "panel-dark.png")
-    QtWidgets.QApplication.setPalette(usual)
 
 
 def compared(module, views: list, folder: Path) -> None:

@@ -38,9 +38,6 @@ class _Module(QtCore.QObject):
     def logic(self):
         return self._logic
 
-    def mrmlScene(self):
-        return slicer.mrmlScene
-
     def setMRMLScene(self, scene):
         """Does nothing: there is one scene."""
 
@@ -54,7 +51,7 @@ class _Module(QtCore.QObject):
     path = _held("path", str, writable=False)
 
 
-MODULE_METHODS = ("logic", "mrmlScene", "setMRMLScene", "widgetRepresentation", "createNewWidgetRepresentation")
+MODULE_METHODS = ("logic", "setMRMLScene", "widgetRepresentation", "createNewWidgetRepresentation")
 
 
 class qSlicerLoadableModule(_Module):
@@ -157,7 +154,7 @@ class qSlicerScriptedLoadableModuleWidget(qSlicerWidget):
     """The panel of a scripted module."""
 
     api = {
-        "methods": ("setMRMLScene", "enter", "exit", "reload", "self"),
+        "methods": ("setMRMLScene", "enter", "exit", "reload"),
         "signals": {"mrmlSceneChanged(vtkMRMLScene*)": "mrmlSceneChanged"},
     }
 
@@ -192,9 +189,6 @@ class qSlicerScriptedLoadableModuleWidget(qSlicerWidget):
         self._entered = False
         if hasattr(self._python, "exit"):
             self._python.exit()
-
-    def self(self):
-        return self._python
 
     isEntered = Property(bool, lambda self: self._entered)
     moduleName = Property(str, lambda self: self._module_name)

@@ -8,16 +8,11 @@ import vtk
 from PySide6 import QtWidgets
 from PySide6.QtCore import Property, Signal
 
-from .dialogs import ask_statically
-
 
 class WithScene:
     """Keeps a scene, by plain reference."""
 
     _scene = None
-
-    def mrmlScene(self):
-        return self._scene
 
 
 def _value(name: str, kind):
@@ -26,20 +21,10 @@ def _value(name: str, kind):
 
 
 class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
-    """The nodes of the scene that match, and actions to create, rename and delete one."""
+    """The nodes of the scene that match, and what the user could do with one; nobody picks anything here but by Python."""
 
     api = {
-        "methods": (
-            "mrmlScene",
-            "setMRMLScene",
-            "nodeTypeLabel",
-            "currentNode",
-            "setCurrentNode",
-            "setCurrentNodeID",
-            "addNode",
-            "removeCurrentNode",
-            "renameCurrentNode",
-        ),
+        "methods": (*("setMRMLScene", "nodeTypeLabel", "currentNode", "setCurrentNode", "setCurrentNodeID", "addNode"),),
         "signals": {
             "currentNodeChanged(vtkMRMLNode*)": "currentNodeChanged",
             "currentNodeIDChanged(QString)": "currentNodeIDChanged",
@@ -73,7 +58,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         row.addWidget(self._box)
         self.setSizePolicy(QtWidgets.QSizePolicy.Policy.Preferred, QtWidgets.QSizePolicy.Policy.Fixed)
         self.setFocusProxy(self._box)
-        self._box.activated.connect(self._activated)
         self.destroyed.connect(_unobserver(self._observers))
         self.setEnabled(False)
 
@@ -173,20 +157,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         self._box.setPlaceholderText(f"Select a {self.nodeTypeLabel(self._types[0] if self._types else '')}")
         self._box.setCurrentIndex(self._row(self._current))
 
-    def _activated(self, row):
-        position = row - self._values["noneEnabled"]
-        if position < len(self._nodes):
-            self._select(self._nodes[position] if position >= 0 else None)
-            return
-        self._box.setCurrentIndex(self._row(self._current))
-        action = self._box.itemData(row)
-        if action == "DELETE":
-            self.removeCurrentNode()
-        elif action == "RENAME":
-            self.renameCurrentNode()
-        elif action is not None:
-            self.addNode(action.split("/")[1])
-
     def _select(self, node):
         if node is not None and node not in self._nodes:
             node = None
@@ -231,15 +201,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         self._select(node)
         self.nodeAddedByUser.emit(node)
         return node
-
-    def removeCurrentNode(self):
-        if self._current is not None:
-            self._scene.RemoveNode(self._current)
-
-    def renameCurrentNode(self):
-        name = ask_statically("QInputDialog", "")(self, "Rename", "New name:")
-        if name and self._current is not None:
-            self._current.SetName(name)
 
     def _set_types(self, kinds):
         self._types = [kind for kind in kinds if kind]

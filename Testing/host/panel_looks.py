@@ -1,6 +1,6 @@
-"""How the panel looks and can be worked with: narrow, with large letters, in dark colors, on dense screens, by keyboard alone.
+"""How the panel looks and can be worked with: narrow, with large letters, on dense screens, by keyboard alone.
 
-    python Testing/host/panel_looks.py [--pictures FOLDER]
+    python Testing/host/panel_looks.py
 
 Prints what it found as JSON, for `Testing/Python/module/test_panel_accessibility.py`; every list in it should be empty. For a dense
 screen run it with QT_SCALE_FACTOR=2. Only Qt can tell these things, so they are asked of Qt: with its Fusion style and the stand-ins for
@@ -9,7 +9,6 @@ CTK's widgets, not with the styles of the Slicer application. Exit status: 0, or
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from pathlib import Path
@@ -21,8 +20,6 @@ from host import missing, runHost  # noqa: E402 - the folders must be known firs
 PANEL_WIDTH = 400
 LARGE = 1.3
 SMALL_SCREEN = (400, 480)
-CONTRAST = 4.5
-"""Between letters and what is behind them: what the WCAG ask for (AA)."""
 
 NODE_SELECTORS = ("qMRMLNodeComboBox",)
 """They show names that the user has given, which may be longer than any line; what they show without a node must fit."""
@@ -31,36 +28,20 @@ LOOKS: dict[str, dict] = {
     "light": {},
     "open": {"opened": True},
     "large letters": {"opened": True, "letters": LARGE},
-    "dark": {"dark": True, "opened": True},
     "live": {"opened": True, "tab": 1},
     "live, large letters": {"opened": True, "tab": 1, "letters": LARGE},
-    "live, dark": {"dark": True, "tab": 1},
 }
 TABS = ("recorded", "live")
 
 
-def dark_palette():
-    """Colors as dark styles have them, Slicer's among these."""
-    from PySide6.QtGui import QColor, QPalette
-
-    palette = QPalette(QColor(53, 53, 53), QColor(53, 53, 53))
-    palette.setColor(QPalette.ColorRole.Base, QColor(35, 35, 35))
-    palette.setColor(QPalette.ColorRole.Highlight, QColor(42, 130, 218))
-    for role in (QPalette.ColorRole.Text, QPalette.ColorRole.ButtonText, QPalette.ColorRole.WindowText):
-        palette.setColor(role, QColor(255, 255, 255))
-        palette.setColor(QPalette.ColorGroup.Disabled, role, QColor(127, 127, 127))
-    return palette
-
-
-def set_look(module, opened=False, letters=1.0, dark=False, tab=0) -> None:
-    """Shows a tab, opens all sections, enlarges the letters, or changes the colors of the whole application."""
+def set_look(module, opened=False, letters=1.0, tab=0) -> None:
+    """Shows a tab, opens all sections, or enlarges the letters of the whole application."""
     from PySide6 import QtWidgets
 
     application = QtWidgets.QApplication.instance()
     font = application.font()
     font.setPointSizeF(module.letters_at_first * letters)
     application.setFont(font)
-    application.setPalette(dark_palette() if dark else module.colors_at_first)
     for section in sections(module.native):
         section.setProperty("collapsed", not opened if section.objectName() not in module.open_at_first else False)
     module.widget.ui.tabWidget.currentIndex = tab
@@ -88,7 +69,7 @@ class Panel:
         slicer.mrmlScene.Clear()
         self.widget = host.open("AIFRecon")
         self.native = host.take_out(self.widget.parent)
-        self.letters_at_first, self.colors_at_first = QtWidgets.QApplication.font().pointSizeF(), QtWidgets.QApplication.palette()
+        self.letters_at_first = QtWidgets.QApplication.font().pointSizeF()
         self.open_at_first = {each.objectName() for each in sections(self.native) if not each.property("collapsed")}
 
     def choose_inputs(self) -> None:
@@ -177,29 +158,6 @@ def room_for_text(widget) -> tuple[int, int]:
     return 0, 0
 
 
-def faint_texts(panel) -> list[str]:
-    """Labels whose letters do not stand out, by the pixels that are drawn."""
-    from PySide6 import QtWidgets
-
-    found = []
-    for label in panel.shown(QtWidgets.QLabel):
-        if label.text() and label.isEnabled() and (contrast := contrast_of(panel.native.grab(panel.place(label)).toImage())) < CONTRAST:
-            found.append(f"{named(label)}: {contrast:.1f}")
-    return found
-
-
-def contrast_of(picture) -> float:
-    """The largest contrast between two pixels of a picture, 1 to 21 as the WCAG define it."""
-    lights = [luminance(picture.pixelColor(x, y)) for y in range(picture.height()) for x in range(picture.width())]
-    return (max(lights) + 0.05) / (min(lights) + 0.05)
-
-
-def luminance(color) -> float:
-    """Relative luminance, 0 to 1."""
-    linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in (color.redF(), color.greenF(), color.blueF())]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
 def walk_by_tab(panel) -> list:
     """The widgets that Tab goes to, from the first one on until it is back there."""
     from PySide6 import QtCore, QtTest, QtWidgets
@@ -219,7 +177,7 @@ def walk_by_tab(panel) -> list:
 
 
 def by_keyboard(panel) -> dict:
-    """What Tab does not reach, where it goes up, what shows no focus, and what has no name."""
+    """What Tab does not reach, what shows no focus, and what has no name."""
     from PySide6 import QtCore, QtGui, QtWidgets
 
     walked = walk_by_tab(panel)
@@ -228,12 +186,6 @@ def by_keyboard(panel) -> dict:
         for each in panel.shown(QtWidgets.QWidget)
         if each.isEnabled() and each.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus and not isinstance(each, QtWidgets.QLabel)
     }
-    tops = [panel.place(each).top() for each in walked]
-    upward = [
-        f"{named(before)} to {named(after)}"
-        for before, after, top, bottom in zip(walked, walked[1:], tops, tops[1:], strict=False)
-        if bottom < top - before.height() // 2
-    ]
     unnamed, unmarked = [], []
     for each in walked:
         owner = next((up for up in ancestors(each, panel.native) if name_of(up, QtGui)), None)
@@ -242,7 +194,7 @@ def by_keyboard(panel) -> dict:
         if isinstance(each, QtWidgets.QPushButton | QtWidgets.QCheckBox | QtWidgets.QLineEdit) and not marks_focus(panel, each):
             unmarked.append(named(each))
     unreached = sorted(wanted - {named(each) for each in walked})
-    return {"walked": len(walked), "unreached": unreached, "upward": upward, "unnamed": unnamed, "unmarked": unmarked}
+    return {"walked": len(walked), "unreached": unreached, "unnamed": unnamed, "unmarked": unmarked}
 
 
 def ancestors(widget, top):
@@ -298,10 +250,10 @@ def scrolls(panel) -> dict:
     return {"across": across, "down": down}
 
 
-def look_around(panel, pictures: Path | None) -> dict:
+def look_around(panel) -> dict:
     """Everything that is looked at."""
 
-    found: dict = {"pixels per point": panel.native.devicePixelRatioF(), "cut": {}, "faint": {}, "newcomer": {}}
+    found: dict = {"pixels per point": panel.native.devicePixelRatioF(), "cut": {}, "newcomer": {}}
     for number, name in enumerate(TABS):
         set_look(panel, tab=number)
         panel.lay_out()
@@ -313,9 +265,7 @@ def look_around(panel, pictures: Path | None) -> dict:
     for name, look in LOOKS.items():
         set_look(panel, **look)
         panel.lay_out()
-        found["cut"][name], found["faint"][name] = cut_texts(panel), faint_texts(panel)
-        if pictures:
-            panel.native.grab().save(str(pictures / f"{name}.png"))
+        found["cut"][name] = cut_texts(panel)
     set_look(panel, opened=True)
     panel.lay_out()
     found["keyboard"] = by_keyboard(panel)
@@ -326,18 +276,15 @@ def look_around(panel, pictures: Path | None) -> dict:
     return found
 
 
-def main(arguments=None) -> int:
+def main() -> int:
     """Prints the findings; returns the exit status."""
-    parser = argparse.ArgumentParser(description="Say what of the panel cannot be read or reached.")
-    parser.add_argument("--pictures", type=Path, help="folder for a picture of every look")
-    options = parser.parse_args(arguments)
     if reason := missing():
         print(f"The panel cannot be looked at: it cannot run here: {reason}.", file=sys.stderr)
         return 2
     host = runHost()
     try:
         panel = Panel(host)  # it must live until the host is closed
-        print(json.dumps(look_around(panel, options.pictures), indent=1))
+        print(json.dumps(look_around(panel), indent=1))
     finally:
         host.close()
     return 0

@@ -58,9 +58,6 @@ class _Methods:
             if not parameter.stored.is_in(parameterNode, parameter.name):
                 parameter.write(parameterNode, parameter.default)
 
-    def default(self, name):
-        return _known(self, name).default
-
     def getValue(self, name):
         return _known(self, name).read(self.parameterNode)
 
@@ -127,9 +124,6 @@ class _Methods:
 
     def RemoveObserver(self, tag):
         self.parameterNode.RemoveObserver(tag)
-
-    def Modified(self):
-        self.parameterNode.Modified()
 
 
 def _known(wrapper, name) -> _Parameter:

@@ -1,8 +1,8 @@
 """How a parameter of each type is kept in a vtkMRMLScriptedModuleNode: the keys and words are Slicer's, so scenes are interchangeable.
 
 bool "True" or "False"; numbers, str and paths by str(); an enumeration by its member's name; a node as a node reference beside an
-empty parameter; `A | B | None` under the name with ".0", ".1", ... of the member that applies; a list under ".len", ".0", ".1", ...;
-a tuple under ".0", ".1", ...; a parameter pack under ".<field>". Dictionaries, colors and Any are not supported here.
+empty parameter; `A | B | None` under the name with ".0", ".1", ... of the member that applies; a list under ".len", ".0", ".1", ....
+A list that is read is a plain one: what is put into it does not reach the node. Other types are not supported here.
 """
 
 from __future__ import annotations
@@ -11,17 +11,15 @@ import enum
 import pathlib
 import types
 import typing
-from collections.abc import MutableSequence
 from dataclasses import dataclass
 
 import slicer
 
 
 class Validator:
-    """A rule for a parameter's value."""
+    """A rule for a parameter's value, told by `validate`."""
 
-    def validate(self, value) -> None:
-        raise NotImplementedError
+    validate: typing.Callable
 
 
 @dataclass
@@ -97,9 +95,6 @@ class StoredBool(Stored):
 class StoredEnum(Stored):
     """A member of an enumeration."""
 
-    def default(self):
-        return next(iter(self.kind))
-
     def text(self, value) -> str:
         return value.name
 
@@ -112,9 +107,6 @@ class StoredEnum(Stored):
 
 class StoredNone(Stored):
     """None, as one member of a union."""
-
-    def default(self):
-        return
 
     def text(self, value) -> str:
         return "True"
@@ -192,34 +184,6 @@ class StoredUnion(Stored):
                 member.remove(node, f"{name}.{number}")
 
 
-class ObservedList(MutableSequence):
-    """A list that writes itself into the node whenever it changes."""
-
-    def __init__(self, values, save):
-        self._values, self._save = values, save
-
-    def __getitem__(self, index):
-        return self._values[index]
-
-    def __setitem__(self, index, value):
-        self._values[index] = value
-        self._save(self._values)
-
-    def __delitem__(self, index):
-        del self._values[index]
-        self._save(self._values)
-
-    def __len__(self):
-        return len(self._values)
-
-    def insert(self, index, value):
-        self._values.insert(index, value)
-        self._save(self._values)
-
-    def __eq__(self, other):
-        return self._values == (other._values if isinstance(other, ObservedList) else other)
-
-
 class StoredList(Stored):
     """A list of one type."""
 
@@ -251,13 +215,7 @@ class StoredList(Stored):
                 self.element.remove(node, f"{name}.{number}")
 
     def read(self, node, name):
-        values = [self.element.read(node, f"{name}.{number}") for number in range(self._length(node, name))]
-        return ObservedList(values, lambda changed: self.write(node, name, changed))
-
-    def remove(self, node, name) -> None:
-        for number in range(self._length(node, name)):
-            self.element.remove(node, f"{name}.{number}")
-        node.UnsetParameter(f"{name}.len")
+        return [self.element.read(node, f"{name}.{number}") for number in range(self._length(node, name))]
 
 
 def stored(kind) -> Stored:

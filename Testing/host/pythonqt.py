@@ -2,8 +2,8 @@
 
 Slicer's Python reaches Qt through PythonQt, which is property based; PySide6, which is installed here, is method based. Every Qt
 object that a module gets hold of is therefore a wrapper around the PySide6 object. A name is looked up as PythonQt does it: Qt
-property first (so `label.text` is a string, and `label.text()` fails), then method or signal, then enumeration value, then dynamic
-property, then child of that object name. Setting a name that is no property raises AttributeError, unless a Python class derives
+property first (so `label.text` is a string, and `label.text()` fails), then signal or method; dynamic properties and children by name,
+which PythonQt finds too, are not found here. Setting a name that is no property raises AttributeError, unless a Python class derives
 from the Qt class. A stand-in for a class of CTK or Slicer shows only what its table in `api_tables.py` admits, beside what it
 inherits from Qt.
 """
@@ -49,22 +49,6 @@ class EnumValue(int):
     def __or__(self, other):
         return EnumValue(self.native | unwrap(other))
 
-    def __and__(self, other):
-        return EnumValue(self.native & unwrap(other))
-
-    def __invert__(self):
-        return EnumValue(~self.native)
-
-
-class EnumType:
-    """An enumeration as PythonQt shows it: it can be called with an int; its values are those of the class around it."""
-
-    def __init__(self, native):
-        self._native = native
-
-    def __call__(self, value):
-        return EnumValue(self._native(int(value)))
-
 
 class PythonQtMeta(type):
     """Class attributes of wrapped classes: static methods and enumeration values."""
@@ -75,10 +59,6 @@ class PythonQtMeta(type):
             found = getattr(native, name, None)
             if isinstance(found, enum.Enum):
                 return EnumValue(found)
-            if isinstance(found, type) and issubclass(found, enum.Enum):
-                return EnumType(found)
-            if isinstance(found, int) and not isinstance(found, bool):
-                return found
             if callable(found) and not isinstance(found, type):
                 return lambda *args: wrap(found(*map(unwrap, args)))
         raise AttributeError(f"type object '{cls.__name__}' has no attribute '{name}'")
@@ -124,9 +104,6 @@ class Wrapper(metaclass=PythonQtMeta):
         object.__setattr__(self, "_destroyed", False)
         Wrapper._wrappers[id(native)] = self
         if isinstance(native, QtCore.QObject):
-            if type(native) not in _PROPERTIES:
-                meta = native.metaObject()
-                _PROPERTIES[type(native)] = frozenset(meta.property(i).name() for i in range(meta.propertyCount()))
             # PySide6 does not hear of the end of every object that C++ made and deletes
             native.destroyed.connect(functools.partial(_mark_destroyed, weakref.ref(self)))
 
@@ -134,24 +111,13 @@ class Wrapper(metaclass=PythonQtMeta):
         # Slicer 5.13 tells that a layout is false, whatever it holds; so `childWidgetVariables` passes layouts over
         return not self._destroyed and shiboken6.isValid(self._object) and not isinstance(self._object, QtWidgets.QLayout)
 
-    def __repr__(self):
-        return f"{type(self).__name__} ({type(self).__name__} at: {id(self._object):#x})"
-
-    def __eq__(self, other):
-        if isinstance(other, Wrapper) and not isinstance(self._object, QtCore.QObject):
-            return self._object == other._object
-        return self is other
-
-    def __hash__(self):
-        return hash(id(self._object))
-
     def __getattr__(self, name):
-        """A property's value, a method, a signal, an enumeration value, a dynamic property or a child."""
+        """A property's value, a method or a signal."""
         if name.startswith("_"):
             raise AttributeError(f"{type(self).__name__} has no attribute named '{name}'")
         native = _object(self)
         if _is_gone(self, native):
-            return _of_destroyed(self, name)
+            raise ValueError(f"Trying to use '{name}' of a destroyed {type(self).__name__} object")
         if isinstance(native, QtCore.QObject):
             position = property_index(native, name)
             if position >= 0:
@@ -160,18 +126,8 @@ class Wrapper(metaclass=PythonQtMeta):
                 return BoundSignal(self, signals)
         if is_offered(type(native), name):
             found = getattr(native, name, None)
-            if isinstance(found, enum.Enum | type):
-                return getattr(type(self), name)
-            if callable(found):
+            if callable(found) and not isinstance(found, type):
                 return lambda *args: wrap(found(*map(unwrap, args)))
-        if len(name) > 2 and name.endswith("_") and is_offered(type(native), name[:-1]):
-            return getattr(self, name[:-1])
-        if isinstance(native, QtCore.QObject):
-            if name in [bytes(known).decode() for known in native.dynamicPropertyNames()]:
-                return wrap(native.property(name))
-            for child in native.children():
-                if child.objectName() == name:
-                    return wrap(child)
         raise AttributeError(f"{type(self).__name__} has no attribute named '{name}'")
 
     def __setattr__(self, name, value):
@@ -189,9 +145,7 @@ class Wrapper(metaclass=PythonQtMeta):
                 raise AttributeError(f"Signal '{name}' can not be overwritten on {kind} object")
         if is_offered(type(native), name):
             raise AttributeError(f"Slot '{name}' can not be overwritten on {kind} object")
-        if isinstance(native, QtCore.QObject) and name in [bytes(known).decode() for known in native.dynamicPropertyNames()]:
-            native.setProperty(name, unwrap(value))
-        elif "_generated" not in type(self).__dict__:
+        if "_generated" not in type(self).__dict__:
             object.__setattr__(self, name, value)
         else:
             raise AttributeError(f"'{name}' does not exist on {kind} and creating new attributes on C++ objects is not allowed")
@@ -203,12 +157,6 @@ class Wrapper(metaclass=PythonQtMeta):
     def disconnect(self, signal, receiver=None):
         """Disconnects a callable, or everything, from a signal; False where it was not connected."""
         return disconnect(self, signal, receiver)
-
-    def className(self):
-        return type(self._object).__name__
-
-    def delete(self):
-        shiboken6.delete(self._object)
 
 
 def _mark_destroyed(reference, *_):
@@ -226,18 +174,6 @@ def _object(wrapper):
 
 def _is_gone(wrapper, native) -> bool:
     return isinstance(native, QtCore.QObject) and (wrapper._destroyed or not shiboken6.isValid(native))
-
-
-def _of_destroyed(wrapper, name):
-    """What is left of a destroyed object: methods that fail when they are called, as in PythonQt; properties fail at once."""
-    kind = type(wrapper)
-    if is_offered(kind._native, name) and name not in _PROPERTIES[kind._native]:
-
-        def call(*args):
-            raise ValueError(f"Trying to call '{name}' on a destroyed {kind.__name__} object")
-
-        return call
-    raise ValueError(f"Trying to read property '{name}' from a destroyed {kind.__name__} object")
 
 
 def property_index(native, name: str) -> int:
@@ -324,8 +260,6 @@ def wrapper_class(native: Any) -> type:
 
 
 _MADE: dict[type, type] = {}
-_PROPERTIES: dict[type, frozenset[str]] = {}
-"""Names of the properties of the classes that were wrapped: a destroyed object cannot be asked."""
 
 
 def wrap(value):

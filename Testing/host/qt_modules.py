@@ -55,9 +55,8 @@ class QtModule(types.ModuleType):
         if not isinstance(native, type) or name in ("Signal", "Slot", "Property", "QObjectCleanupHandler"):
             raise AttributeError(f"module 'qt' has no attribute '{name}'")
         made = wrapper_class(native)
-        for (kind, method), default in dialogs.STATIC.items():
-            if kind == name:
-                type.__setattr__(made, method, staticmethod(dialogs.ask_statically(kind, default)))
+        for method, default in dialogs.STATIC.items() if name == "QFileDialog" else ():
+            type.__setattr__(made, method, staticmethod(dialogs.ask_statically(name, default)))
         setattr(self, name, made)
         return made
 

@@ -25,8 +25,6 @@ SPACING, HOLE_LIMIT = 0.7, 2.0
 LOOK_AT = (0.0, 52.0, -13.7)
 """RAS mm: where the lamina of a vertebra, its facets and the transverse processes are all cut."""
 
-FRAME = 36
-"""Of the sweep, for the beams."""
 
 FRAMES_SEEN = 72
 """Of the replayed sweep, before the box is used and again before the picture: the whole of it."""
@@ -89,6 +87,24 @@ class Module:
             pixels, view_frames.slice_title(logic), node.GetLayoutColor(), view_frames.slice_names(logic), view_frames.slice_letters(node)
         )
 
+    def view_3d(self, title: str, size, shown, away, distance: float, beside=(0.0, 0.0, 0.0), marked: bool = False):
+        """The 3D view under its bar, looking from a direction at the middle of a node, or so far beside it; RAS mm."""
+        import slicer
+
+        from host import view_frames
+
+        node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
+        node.SetBoxVisible(False)
+        node.SetAxisLabelsVisible(False)
+        if marked:
+            node.SetOrientationMarkerType(node.OrientationMarkerTypeAxes)
+        bounds = [0.0] * 6
+        shown.GetRASBounds(bounds)
+        center = np.reshape(bounds, (3, 2)).mean(axis=1) + beside
+        with view_render.OffscreenThreeDView(node, self.application, size) as view:
+            view.look(center, center + away, (0.0, 0.0, 1.0), distance)
+            return view_frames.framed(view.image(), title, node.GetLayoutColor())
+
 
 def panel(module: Module, folder: Path) -> None:
     """panel.png: the panel after a reconstruction, when its coverage is told."""
@@ -100,62 +116,14 @@ def panel(module: Module, folder: Path) -> None:
     module.host.grab(module.widget.parent, folder / "panel.png", width=PANEL_WIDTH)
 
 
-def panel_needs(module: Module, folder: Path) -> None:
-    """panel-needs.png: what the panel says where bone is missing."""
-    from AIFReconScene.inputs.parameters import Method
-
-    parameters = module.parameters
-    bone, method = parameters.bone, parameters.method
-    parameters.bone, parameters.method = None, Method.WEIGHTED
-    module.host.process_events()
-    module.host.grab(module.widget.parent, folder / "panel-needs.png", width=PANEL_WIDTH)
-    parameters.bone, parameters.method = bone, method
-
-
-def slices(module: Module, folder: Path) -> None:
-    """slices.png: the reconstruction over the CT, with the outline of the segmented bone."""
-    from host import view_frames
-
-    views = [module.slice_view(name, (330, 330)) for name in ("Red", "Yellow", "Green")]
-    view_frames.write_png(view_frames.tiled([views]), folder / "slices.png")
-
-
 def compare(module: Module, folder: Path) -> None:
-    """compare.png: the methods side by side."""
+    """step-7-compare.png: the methods side by side, and the table of how well each shows bone."""
     from AIFReconLib.compounding.methods.table import COMPARED_METHODS
-    from host import view_frames
 
     module.press(module.widget.ui.compareButton)
     views = [module.slice_view(f"AIFRecon{number}", (440, 275), field_of_view=125.0) for number in range(1, len(COMPARED_METHODS) + 1)]
-    view_frames.write_png(view_frames.tiled([views[first : first + 2] for first in range(0, len(views), 2)]), folder / "compare.png")
     guide_pictures.compared(module, views, folder)
     module.press(module.widget.ui.singleViewButton)
-
-
-def overlay(module: Module, folder: Path) -> None:
-    """overlay.png: a frame in its place with the beams, the frames and the CT's bone in 3D."""
-    import slicer
-
-    from host import view_frames
-
-    parameters = module.parameters
-    parameters.showProbe = parameters.showOutlines = True
-    parameters.sweep.SetSelectedItemNumber(FRAME)
-    module.check()
-    size = (440, 400)
-    logic = module.application.GetSliceLogicByLayoutName("Red")
-    center = _show_frame(logic, parameters.sweep.GetProxyNode(parameters.sweep.GetMasterSequenceNode()), parameters.ctVolume)
-    pictures = [module.slice_view("Red", size, center=None)]
-
-    node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
-    node.SetBoxVisible(False)
-    node.SetAxisLabelsVisible(False)
-    node.SetOrientationMarkerType(node.OrientationMarkerTypeAxes)
-    with view_render.OffscreenThreeDView(node, module.application, size) as view:
-        view.look(center, np.add(center, (-170.0, -330.0, 190.0)), (0.0, 0.0, 1.0), 400.0)
-        pictures.append(view_frames.framed(view.image(), "1   Frames, beams, bone of the CT", node.GetLayoutColor()))
-    view_frames.write_png(view_frames.tiled([pictures]), folder / "overlay.png")
-    parameters.showProbe = parameters.showOutlines = False
 
 
 def live(module: Module, folder: Path) -> None:
@@ -257,11 +225,8 @@ def main(arguments=None) -> int:
         guide = guide_pictures
         guide.empty(module, options.output)
         module.load_sample()
-        first = (guide.inputs, guide.imported, guide.registration, guide.guidance, guide.settings, guide.progress)
-        for make in (*first, panel, slices, guide.result, guide.report, guide.dark):
-            make(module, options.output)
-            print(make.__doc__)
-        for make in (panel_needs, compare, overlay, live):
+        made = (guide.imported, guide.registration, guide.guidance, guide.settings, guide.progress, panel, guide.result, compare, live)
+        for make in made:
             make(module, options.output)
             print(make.__doc__)
         thumbnail(module, options.thumbnail)

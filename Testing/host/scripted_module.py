@@ -45,16 +45,8 @@ class ScriptedLoadableModuleWidget:
         super().__init__()
         self.moduleName = _bare(self, "Widget")
         self.developerMode = False
-        alone = not parent
-        if alone:
-            parent = slicer.qMRMLWidget()
-            parent.setLayout(qt.QVBoxLayout())
-            parent.setMRMLScene(slicer.mrmlScene)
         self.parent = parent
         self.layout = parent.layout()
-        if alone:
-            self.setup()
-            parent.show()
         slicer.app.moduleManager().connect("moduleAboutToBeUnloaded(QString)", self._onModuleAboutToBeUnloaded)
 
     def resourcePath(self, filename):
@@ -101,18 +93,4 @@ class ScriptedLoadableModuleLogic:
 
 
 class ScriptedLoadableModuleTest(unittest.TestCase):
-    """A module's self tests: `runTest` runs every method test_*."""
-
-    def __init__(self, *args, **kwargs):
-        super().__init__(*args, **kwargs)
-        # Whatever has "test" in its name, as in Slicer: a helper called `latest` would be run as well
-        self.moduleTestNames = [name for name in dir(self) if "test" in name and callable(getattr(self, name))]
-
-    def runTest(self):
-        """Runs every test, each between setUp and tearDown; the first failure ends it."""
-        self.setUpClass()
-        for name in self.moduleTestNames:
-            self.setUp()
-            getattr(self, name)()
-            self.tearDown()
-        self.tearDownClass()
+    """A module's self tests."""

@@ -168,9 +168,6 @@ class SlicerHost:
         slicer.util.selectModule(name)
         return getattr(slicer.modules, f"{name}Widget", None)
 
-    def leave(self) -> None:
-        self._application.window.moduleSelector().selectModule("")
-
     def unload_module(self, name: str) -> None:
         self._modules.unload_module(self._application, name)
 

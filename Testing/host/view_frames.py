@@ -88,18 +88,10 @@ def framed(pixels: np.ndarray, title: str, color, corner=(), letters=None) -> Qt
     """
     pixels = np.ascontiguousarray(pixels)
     height, width = pixels.shape[:2]
-    view = QtGui.QImage(pixels.data, width, height, 3 * width, QtGui.QImage.Format.Format_RGB888)
-    picture = QtGui.QImage(width, height + BAR, QtGui.QImage.Format.Format_RGB888)
-    painter = QtGui.QPainter(picture)
+    view = QtGui.QImage(pixels.data, width, height, 3 * width, QtGui.QImage.Format.Format_RGB888).copy()
+    painter = QtGui.QPainter(view)
     painter.setRenderHint(QtGui.QPainter.RenderHint.TextAntialiasing)
-    bar = QtGui.QColor.fromRgbF(*color)
-    painter.fillRect(0, 0, width, BAR, bar)
-    painter.drawImage(0, BAR, view)
-    _font(painter, 12, bold=True)
-    painter.setPen(QtGui.QColor(0, 0, 0) if bar.lightnessF() > 0.45 else INK)
-    painter.drawText(QtCore.QRect(8, 0, width - 16, BAR), QtCore.Qt.AlignmentFlag.AlignVCenter, title)
-    area = QtCore.QRect(6, BAR + 4, width - 12, height - 8)
-    side = QtCore.Qt.AlignmentFlag
+    area, side = QtCore.QRect(6, 4, width - 12, height - 8), QtCore.Qt.AlignmentFlag
     _font(painter, 14, bold=True)
     for place, alignment in (
         ("left", side.AlignLeft | side.AlignVCenter),
@@ -112,18 +104,18 @@ def framed(pixels: np.ndarray, title: str, color, corner=(), letters=None) -> Qt
     _font(painter, 11)
     _shadowed(painter, area, side.AlignLeft | side.AlignBottom, "\n".join(corner))
     painter.end()
-    return picture
+    return titled(view, title, QtGui.QColor.fromRgbF(*color))
 
 
-def titled(picture: QtGui.QImage, title: str) -> QtGui.QImage:
+def titled(picture: QtGui.QImage, title: str, bar: QtGui.QColor | None = None) -> QtGui.QImage:
     """A picture of a window or view under a bar with its title, as a window manager would draw one."""
     whole = QtGui.QImage(picture.width(), picture.height() + BAR, QtGui.QImage.Format.Format_RGB888)
     painter = QtGui.QPainter(whole)
     painter.setRenderHint(QtGui.QPainter.RenderHint.TextAntialiasing)
-    painter.fillRect(0, 0, whole.width(), BAR, QtGui.QColor("#6C7A89"))
+    painter.fillRect(0, 0, whole.width(), BAR, bar or QtGui.QColor("#6C7A89"))
     painter.drawImage(0, BAR, picture)
     _font(painter, 12, bold=True)
-    painter.setPen(INK)
+    painter.setPen(INK if bar is None or bar.lightnessF() <= 0.45 else QtGui.QColor(0, 0, 0))
     painter.drawText(QtCore.QRect(8, 0, whole.width() - 16, BAR), QtCore.Qt.AlignmentFlag.AlignVCenter, title)
     painter.end()
     return whole

@@ -234,19 +234,7 @@ class qSlicerLayoutManager(QtCore.QObject):
     """The views: nodes and logics are real, nothing is drawn."""
 
     api = {
-        "methods": (
-            "mrmlScene",
-            "sliceWidget",
-            "sliceViewNames",
-            "threeDWidget",
-            "mrmlSliceLogics",
-            "layoutLogic",
-            "setLayout",
-            "resetThreeDViews",
-            "resetSliceViews",
-            "pauseRender",
-            "resumeRender",
-        ),
+        "methods": (*("sliceWidget", "sliceViewNames", "threeDWidget", "setLayout", "pauseRender", "resumeRender"),),
         "signals": {"layoutChanged(int)": "layoutChanged"},
     }
     layoutChanged = Signal(int)
@@ -304,9 +292,6 @@ class qSlicerLayoutManager(QtCore.QObject):
     def _node(self):
         return self._mrml.scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
 
-    def mrmlScene(self):
-        return self._mrml.scene
-
     def _logics(self) -> dict:
         logics = self._mrml.applicationLogic.GetSliceLogics()
         found = [logics.GetItemAsObject(i) for i in range(logics.GetNumberOfItems())]
@@ -340,25 +325,9 @@ class qSlicerLayoutManager(QtCore.QObject):
             self._widgets[node.GetID()] = qMRMLThreeDWidget(node)
         return self._widgets[node.GetID()]
 
-    def mrmlSliceLogics(self):
-        return self._mrml.applicationLogic.GetSliceLogics()
-
-    def layoutLogic(self):
-        return self._mrml.layoutLogic
-
     def setLayout(self, layout):
         self._node().SetViewArrangement(layout)
         self.layoutChanged.emit(layout)
-
-    def resetThreeDViews(self):
-        for number in range(self.threeDViewCount):
-            view = self.threeDWidget(number).threeDView()
-            view.resetFocalPoint()
-            view.resetCamera()
-
-    def resetSliceViews(self):
-        for logic in self._logics().values():
-            logic.FitSliceToBackground()
 
     def pauseRender(self):
         """Does nothing: nothing is drawn."""

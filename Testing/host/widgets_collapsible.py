@@ -67,9 +67,6 @@ class ctkCollapsibleButton(QtWidgets.QAbstractButton):
         option.rect.setHeight(self._header_size().height())
         return option
 
-    def hitButton(self, position):
-        return self._header().rect.contains(position)
-
     def sizeHint(self):
         header = self._header_size()
         if self._collapsed:

@@ -17,7 +17,7 @@ class ctkSliderWidget(QtWidgets.QWidget):
     """A slider and a spin box for one floating point number, rounded to `decimals`."""
 
     api = {
-        "methods": ("reset", "setValue", "setSpinBoxVisible", "setDecimals"),
+        "methods": ("setValue", "setDecimals"),
         "signals": {
             "valueChanged(double)": "valueChanged",
             "valueIsChanging(double)": "valueIsChanging",
@@ -40,14 +40,7 @@ class ctkSliderWidget(QtWidgets.QWidget):
         self.setFocusProxy(self._spin)
         self.setSizePolicy(QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed)
         self._slider.setRange(0, 1000)
-        self._slider.valueChanged.connect(self._slide)
         self._spin.valueChanged.connect(self._spun)
-
-    def _slide(self, position):
-        low, high = self._spin.minimum(), self._spin.maximum()
-        value = low + (high - low) * position / 1000
-        step = self._spin.singleStep()
-        self._spin.setValue(low + round((value - low) / step) * step if step > 0 else value)
 
     def _place(self):
         low, high = self._spin.minimum(), self._spin.maximum()
@@ -65,14 +58,8 @@ class ctkSliderWidget(QtWidgets.QWidget):
         getattr(self._spin, what)(value)
         self._place()
 
-    def reset(self):
-        self.setValue(0.0)
-
     def setValue(self, value):
         self._spin.setValue(value)
-
-    def setSpinBoxVisible(self, visible):
-        self._spin.setVisible(visible)
 
     def setDecimals(self, decimals):
         self._spin.setDecimals(decimals)
@@ -87,7 +74,6 @@ class ctkSliderWidget(QtWidgets.QWidget):
     prefix = Property(str, lambda self: self._spin.prefix(), lambda self, v: self._spin.setPrefix(v))
     suffix = Property(str, lambda self: self._spin.suffix(), lambda self, v: self._spin.setSuffix(v))
     tracking = Property(bool, lambda self: self._tracking, lambda self, v: setattr(self, "_tracking", v))
-    spinBoxVisible = Property(bool, lambda self: not self._spin.isHidden(), setSpinBoxVisible)
 
 
 def _value(name: str, kind):
@@ -99,7 +85,7 @@ class ctkPathLineEdit(QtWidgets.QWidget):
     """A line for a path, with the paths used before and a button that opens a file dialog."""
 
     api = {
-        "methods": ("comboBox", "setCurrentPath", "browse"),
+        "methods": ("comboBox", "setCurrentPath"),
         "signals": {"currentPathChanged(QString)": "currentPathChanged"},
     }
     currentPathChanged = Signal(str)
@@ -116,7 +102,6 @@ class ctkPathLineEdit(QtWidgets.QWidget):
         self._button = QtWidgets.QToolButton(self)
         self._button.setText("...")
         self._button.setToolTip("Open a dialog")
-        self._button.clicked.connect(lambda: self.browse())
         row = QtWidgets.QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
         row.setSpacing(0)
@@ -137,13 +122,6 @@ class ctkPathLineEdit(QtWidgets.QWidget):
         suffixes = [suffix for words in self._values["nameFilters"] for suffix in re.findall(r"\*\.(\w+)", words)]
         if re.fullmatch("|".join(rf".*\.{suffix}?" for suffix in suffixes) or ".+", text):
             self.currentPathChanged.emit(text)
-
-    def browse(self):
-        from .dialogs import ask_for_path
-
-        path = ask_for_path(self, self._values["filters"], self._values["nameFilters"])
-        if path:
-            self.setCurrentPath(path)
 
     currentPath = Property(str, lambda self: self._box.currentText(), setCurrentPath)
     label = _value("label", str)
@@ -171,7 +149,6 @@ class ctkCheckableComboBox(QtWidgets.QComboBox):
 
     def __init__(self, parent=None):
         super().__init__(parent)
-        self.view().pressed.connect(lambda index: self.setCheckState(index, self._other(index)))
         self._watch(self.model())
 
     def _watch(self, model):
@@ -183,9 +160,6 @@ class ctkCheckableComboBox(QtWidgets.QComboBox):
             index = self.model().index(row, 0, parent)
             if index.data(Qt.ItemDataRole.CheckStateRole) is None:
                 self.model().setData(index, int(Qt.CheckState.Unchecked.value), Qt.ItemDataRole.CheckStateRole)
-
-    def _other(self, index):
-        return Qt.CheckState.Unchecked if self.checkState(index) == Qt.CheckState.Checked else Qt.CheckState.Checked
 
     def _indexes(self):
         return [self.model().index(row, 0) for row in range(self.count())]

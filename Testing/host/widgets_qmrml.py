@@ -30,7 +30,7 @@ class _PassesSceneOn(WithScene, QtWidgets.QWidget):
 class qMRMLWidget(_PassesSceneOn):
     """The outermost widget of a .ui file."""
 
-    api = {"methods": ("mrmlScene", "setMRMLScene"), "signals": {"mrmlSceneChanged(vtkMRMLScene*)": "mrmlSceneChanged"}}
+    api = {"methods": ("setMRMLScene",), "signals": {"mrmlSceneChanged(vtkMRMLScene*)": "mrmlSceneChanged"}}
 
 
 class qSlicerWidget(_PassesSceneOn):

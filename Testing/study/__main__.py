@@ -1,6 +1,6 @@
 """Starts a study, ``python Testing/study NAME --output DIR``; without a name it lists them.
 
-A study is a file here whose ``main(arguments)`` returns the exit status; its first line says what it asks.
+A study is a file here that has a `STUDY`; its first line says what it asks.
 """
 
 import importlib
@@ -9,13 +9,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-STUDIES = ("methods", "registration", "calibration", "guidance", "paths", "real_bone", "ct_bone", "screens", "looks", "motion")
+STUDIES = ("methods", "registration", "calibration", "guidance", "paths", "real_bone", "ct_bone", "looks", "motion")
 
 
 def main(words: list[str]) -> int:
     """Run the study of this name."""
     if words and words[0] in STUDIES:
-        return importlib.import_module(f"study.{words[0]}").main(words[1:])
+        module = importlib.import_module(f"study.{words[0]}")
+        return module.main(words[1:]) if words[0] == "real_bone" else module.STUDY.run(words[0], module.__doc__, words[1:])
     print(f"usage: python Testing/study {{{','.join(STUDIES)}}} --output DIR", file=sys.stderr)
     return 2
 

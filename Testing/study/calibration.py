@@ -8,12 +8,11 @@ writes calibration.md and three more tables. About ten minutes per patient and c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from measured import keep
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.calibration.calibration import Calibration, calibrate
@@ -25,7 +24,6 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import (
     PROBE_TO_TRACKER,
@@ -43,7 +41,7 @@ from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 from .calibration_halves import halves_on_bone
-from .command import carry_out, parsed, study_parser
+from .command import Study
 from .lumbar_shapes import lumbar_shapes
 from .method_cases import EFFECTS
 from .patients import table_line
@@ -231,27 +229,11 @@ def _calibrated(patient: Patient, name: str, case: Case) -> Row:
         found = calibrate(case.sequence, patient.labels)
     except AIFReconError as error:
         return Row(patient.seed, CALIBRATE, name, False, False, str(error))
-    said = found.refusal or found.advice or ""
-    off = _misplaced(patient, case, found, Solved(found.labels_to_reference, found.correction, 0.0), _image_points(patient.probe))
-    before = _misplaced(patient, case, found, found.given, _image_points(patient.probe))
-    echoes = _misplaced(patient, case, found, Solved(found.labels_to_reference, found.correction, 0.0), None)
-    median, worst = float(np.median(off)), float(np.quantile(off, 0.95))
-    delay = float(1e3 * abs(found.correction.delay - case.delay)) if found.held[-1] else math.nan
-    right = median <= WITHIN_MM[0] and worst <= WITHIN_MM[1]
-    return Row(
-        patient.seed,
-        CALIBRATE,
-        name,
-        found.accepted,
-        bool(right),
-        said,
-        float(np.median(before)),
-        median,
-        worst,
-        float(np.median(echoes)),
-        found.uncertainty,
-        delay,
-    )
+    pixels, solved = _image_points(patient.probe), Solved(found.labels_to_reference, found.correction, 0.0)
+    off = [_misplaced(patient, case, found, *how) for how in ((found.given, pixels), (solved, pixels), (solved, None))]
+    delay = found.correction.delay if found.held[-1] else math.nan
+    row = _judged(patient, CALIBRATE, name, case, found.accepted, found.refusal or found.advice or "", off, delay)
+    return replace(row, stated=found.uncertainty)
 
 
 def _crossed(patient: Patient, name: str, case: Case) -> Row:
@@ -261,27 +243,18 @@ def _crossed(patient: Patient, name: str, case: Case) -> Row:
     except AIFReconError as error:
         return Row(patient.seed, WITHOUT_CT, name, False, False, str(error))
     none, pixels = Correction.none(found.echoes.center), _image_points(patient.probe)
-    before, off, echoes = (
-        _shapes_apart(*_placed(case, found.echoes, correction, at))
-        for correction, at in ((none, pixels), (found.correction, pixels), (found.correction, None))
-    )
-    median, worst = float(np.median(off)), float(np.quantile(off, 0.95))
-    delay = float(1e3 * abs(found.correction.delay - case.delay))
-    right = bool(median <= WITHIN_MM[0] and worst <= WITHIN_MM[1])
-    said = found.refusal or ""
-    return Row(
-        patient.seed,
-        WITHOUT_CT,
-        name,
-        found.accepted,
-        right,
-        said,
-        float(np.median(before)),
-        median,
-        worst,
-        float(np.median(echoes)),
-        delay_ms=delay,
-    )
+    ways = (none, pixels), (found.correction, pixels), (found.correction, None)
+    off = [_shapes_apart(*_placed(case, found.echoes, *how)) for how in ways]
+    return _judged(patient, WITHOUT_CT, name, case, found.accepted, found.refusal or "", off, found.correction.delay)
+
+
+def _judged(patient: Patient, kind: str, name: str, case: Case, accepted: bool, said: str, off: Sequence[np.ndarray], delay: float) -> Row:
+    """The row of a calibration: mm by which image points are off before, after, and echoes after."""
+    before, median, echoes = (float(np.median(each)) for each in off)
+    worst = float(np.quantile(off[1], 0.95))
+    right = median <= WITHIN_MM[0] and worst <= WITHIN_MM[1]
+    late = float(1e3 * abs(delay - case.delay))
+    return Row(patient.seed, kind, name, accepted, bool(right), said, before, median, worst, echoes, delay_ms=late)
 
 
 def _image_points(probe: PhasedArray) -> np.ndarray:
@@ -328,24 +301,6 @@ def _checked(patient: Patient, kind: str, name: str, case: Case, labels: Volume 
     return Row(patient.seed, kind, name, wrong, told in said and wrong if told else not wrong, said)
 
 
-def main(words: list[str]) -> int:
-    """Run what is missing, then write the pages; the answer is the exit status."""
-    arguments = parsed(study_parser("calibration", __doc__), words)
-
-    def write(rows: list[Row]) -> list[Path]:
-        texts = {
-            "calibration": calibrations(rows),
-            "calibration-bone": halves_on_bone(RealBone.found()),
-            "calibration-no-ct": calibrations(rows, WITHOUT_CT),
-            "calibration-check": checks(rows),
-        }
-        for name, text in texts.items():
-            write_text(arguments.output / f"{name}.md", text)
-        return [*(arguments.output / f"{name}.md" for name in texts), *(keep(texts, "make study") if arguments.pages else ())]
-
-    return carry_out(arguments, patient_rows, Row, write, "calibrations and checks")
-
-
 def calibrations(rows: list[Row], kind: str = CALIBRATE) -> str:
     """A line for each sort of case."""
     head = "image points off: before | after | worst | 95 of 100 | worst | error within the stated | delay off, ms"
@@ -377,3 +332,16 @@ def checks(rows: list[Row]) -> str:
             cells += [str(sum(row.right for row in these)), str(sum(row.accepted and not row.right for row in these))]
         lines.append(table_line(case, cells))
     return "\n".join(lines) + "\n"
+
+
+def texts(rows: list[Row]) -> dict[str, str]:
+    """All tables by their names."""
+    return {
+        "calibration": calibrations(rows),
+        "calibration-bone": halves_on_bone(RealBone.found()),
+        "calibration-no-ct": calibrations(rows, WITHOUT_CT),
+        "calibration-check": checks(rows),
+    }
+
+
+STUDY = Study(patient_rows, Row, "calibrations and checks", texts)

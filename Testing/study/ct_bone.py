@@ -24,7 +24,7 @@ from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lu
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid
 
-from .command import carry_out, page_writer, parsed, study_parser
+from .command import Study
 from .ct_disturbances import SPACINGS, disturbed_ct
 from .method_cases import HOLE_LIMIT, SPACING, simulated_scan
 
@@ -114,7 +114,4 @@ def _numbers(r: Row) -> tuple[str, ...]:
     return (*distances, str(r.vertebrae), f"{r.overlap:.2f}", f"{r.cnr_kept:.1%}", f"{r.coverage_kept:.1%}")
 
 
-def main(words: list[str]) -> int:
-    """Run the study."""
-    arguments = parsed(study_parser("ct_bone", __doc__), words)
-    return carry_out(arguments, patient_rows, Row, page_writer(arguments, "ct-bone", page), "CTs")
+STUDY = Study(patient_rows, Row, "CTs", lambda rows: {"ct-bone": page(rows)})

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .command import carry_out, page_writer, parsed, study_parser
+from .command import Study
 from .guidance_cases import Row, patient_rows
 from .patients import Spread, table_head, table_line
 
@@ -28,12 +28,6 @@ COLUMNS = (
 
 NEAR = 7
 """Points by which a prediction may be off."""
-
-
-def main(words: list[str]) -> int:
-    """Run what is missing, then write the page; the answer is the exit status."""
-    arguments = parsed(study_parser("guidance", __doc__), words)
-    return carry_out(arguments, patient_rows, Row, page_writer(arguments, "guidance", page_of), "scans")
 
 
 def page_of(rows: list[Row]) -> str:
@@ -59,3 +53,6 @@ def _cell(numbers: Iterable[float], form: str) -> str:
     if spread.median != spread.median:
         return ""
     return f"{form.format(spread.median)} [{form.format(spread.low)}, {form.format(spread.high)}]"
+
+
+STUDY = Study(patient_rows, Row, "scans", lambda rows: {"guidance": page_of(rows)})

@@ -12,11 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from measured import keep
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
@@ -29,7 +27,6 @@ from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
@@ -39,7 +36,7 @@ from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .command import carry_out, parsed, study_parser
+from .command import Study
 from .method_cases import (
     EFFECTS,
     HOLE_LIMIT,
@@ -149,40 +146,8 @@ def matched(result: Reconstruction, to: Reconstruction) -> Volume:
     return replace(result.intensity, array=np.where(result.mask.array > 0, values, 0))
 
 
-def page(rows: list[Row]) -> str:
-    """The tables, in Markdown."""
-    by_look = _table(rows, lambda of, look: _mean(of, look, "bone_cnr"), "{:.2f}")
-    coverage = _table(rows, lambda of, look: _mean(of, look, "bone_coverage"), "{:.0%}")
-    return f"CNR\n\n{by_look}\n\nCoverage\n\n{coverage}\n\nWorst look by best look, of the source where that is least\n\n{_worst(rows)}\n"
-
-
 def _mean(of: list[Row], look: str, metric: str) -> float:
     return float(np.mean([row.metrics.get(metric, np.nan) for row in of if row.look == look]))
-
-
-def _table(rows: list[Row], number: Callable[[list[Row], str], float], form: str) -> str:
-    lines = table_head(LOOKS)
-    for place, chosen in (("fibula", {FIBULA}), ("patients, mean", {row.seed for row in rows} - {FIBULA})):
-        for method in (*COMPARED, *JUDGED.values()):
-            of = [row for row in rows if row.method == method and row.seed in chosen]
-            if of:
-                lines.append(table_line(f"{place}: {method}", [form.format(number(of, look)) for look in LOOKS]))
-    return "\n".join(lines)
-
-
-def _worst(rows: list[Row]) -> str:
-    lines = table_head(("CNR", "coverage", "refused"))
-    for method in (*COMPARED, *JUDGED.values()):
-        least = []
-        for metric in ("bone_cnr", "bone_coverage"):
-            each = [
-                [row.metrics[metric] for row in rows if row.method == method and row.seed == seed and row.metrics]
-                for seed in {row.seed for row in rows}
-            ]
-            least.append(f"{min(min(values) / max(values) for values in each if values):.2f}")
-        refused = sum(not row.metrics for row in rows if row.method == method)
-        lines.append(table_line(method, [*least, str(refused)]))
-    return "\n".join(lines)
 
 
 def in_the_pages(rows: list[Row]) -> dict[str, str]:
@@ -203,16 +168,5 @@ def _worst_and_best(rows: list[Row], of_fibula: bool) -> str:
     return "\n".join(lines)
 
 
-def main(words: list[str]) -> int:
-    """Run what is missing, then write the page; the answer is the exit status."""
-    parser = study_parser("looks", __doc__)
-    # Ten patients and the fibula
-    parser.set_defaults(patients=11)
-    arguments = parsed(parser, words)
-
-    def write(rows: list[Row]) -> list[Path]:
-        written = arguments.output / "looks.md"
-        write_text(written, page(rows))
-        return [written, *(keep(in_the_pages(rows), "make study") if arguments.pages else ())]
-
-    return carry_out(arguments, rows_of, Row, write, "reconstructions")
+# Ten patients and the fibula
+STUDY = Study(rows_of, Row, "reconstructions", in_the_pages, patients=11)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -12,13 +11,14 @@ from numpy.typing import ArrayLike
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
-from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation.surface import distance_from_labels
 from AIFReconLib.geometry.solid import inside_of_surface
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.volume.models import read_model
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, soft_tissue_of
 from AIFReconLib.simulation.soft_tissue import SoftTissue
+
+from .patients import data_folder
 
 LEVELS = ("L2", "L3", "L4", "L5")
 
@@ -56,14 +56,6 @@ class LumbarShapes:
         return self.tips
 
 
-def shapes_folder() -> Path:
-    """lumbar-shape in AIFRECON_DATA_DIR, else in shared/data beside the repository; FileFormatError where it is not there."""
-    folder = Path(os.environ.get("AIFRECON_DATA_DIR") or Path(__file__).resolve().parents[3] / "shared" / "data") / "lumbar-shape"
-    if not folder.is_dir():
-        raise FileFormatError(f"{folder} is not there. Set AIFRECON_DATA_DIR to the folder that holds lumbar-shape/.")
-    return folder
-
-
 @cache
 def _means(folder: Path) -> list[tuple[np.ndarray, np.ndarray]]:
     models = [read_model(folder / f"{level}.stl") for level in LEVELS]
@@ -73,7 +65,7 @@ def _means(folder: Path) -> list[tuple[np.ndarray, np.ndarray]]:
 def lumbar_shapes(seed: int, warp: float = WARP, spacing: float = SPACING) -> LumbarShapes:
     """The patient of a seed; 0 with `warp` 0 is the mean shape as it is."""
     rng = np.random.default_rng([seed, 50])
-    means = _means(shapes_folder())
+    means = _means(data_folder("lumbar-shape"))
     points = [vertices.copy() for vertices, _ in means]
     if warp > 0:
         points = _bent(_warped(points, rng, warp), rng)

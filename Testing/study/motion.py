@@ -29,7 +29,7 @@ from AIFReconLib.simulation.scan import TrackingErrors, multi_angle_sweep, recor
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .command import carry_out, page_writer, parsed, study_parser
+from .command import Study
 from .lumbar_shapes import lumbar_shapes
 from .method_cases import EFFECTS, HOLE_LIMIT, OURS, SPACING, Scan, configured, placed_labels, scan_of
 from .patients import table_head, table_line
@@ -151,7 +151,4 @@ def page_of(rows: list[Row]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def main(words: list[str]) -> int:
-    """Run what is missing, then write the page; the answer is the exit status."""
-    arguments = parsed(study_parser("motion", __doc__), words)
-    return carry_out(arguments, patient_rows, Row, page_writer(arguments, "motion", page_of), "reconstructions")
+STUDY = Study(patient_rows, Row, "reconstructions", lambda rows: {"motion": page_of(rows)})

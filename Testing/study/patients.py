@@ -4,6 +4,7 @@ where it stopped."""
 from __future__ import annotations
 
 import json
+import os
 import statistics
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import BrokenExecutor, as_completed
@@ -27,6 +28,15 @@ Given = TypeVar("Given")
 """What a task is called with."""
 
 
+def data_folder(name: str) -> Path:
+    """A folder of AIFRECON_DATA_DIR, else of shared/data beside the repository; FileFormatError where it is not there."""
+    beside = Path(__file__).resolve().parents[3] / "shared" / "data"
+    folder = Path(os.environ.get("AIFRECON_DATA_DIR") or beside) / name
+    if not folder.is_dir():
+        raise FileFormatError(f"{folder} is not there. Set AIFRECON_DATA_DIR to the folder that holds {name}/.")
+    return folder
+
+
 @dataclass(frozen=True)
 class Spread:
     """Median and quartiles of a number over the patients."""
@@ -47,30 +57,6 @@ class Spread:
         return cls(median, low, high)
 
 
-def run_study(
-    work: Callable[[int], list[Row]], row: type[Row], folder: Path, seeds: Iterable[int], jobs: int = 2, progress: Progress | None = None
-) -> list[Row]:
-    """Make, or read where they are there already, the rows of every patient.
-
-    Parameters
-    ----------
-    work : callable
-        The rows of one patient, by its seed. A function of a module: it runs in another process.
-    row : type
-        The dataclass of the rows.
-    folder : Path
-        Holds one file per patient; exists.
-    jobs : int
-        Patients at a time, each in a process of its own.
-
-    Raises
-    ------
-    FileFormatError
-        When a file of an earlier run cannot be read.
-    """
-    return run_tasks(work, {f"patient-{seed:03d}": seed for seed in seeds}, row, folder, jobs, progress, "patients")
-
-
 def run_tasks(
     work: Callable[[Given], list[Row]],
     given: Mapping[str, Given],
@@ -88,10 +74,19 @@ def run_tasks(
         The rows of one task. A function of a module: it runs in another process.
     given : mapping of str to object
         What it is called with, by the name of the file that keeps its rows.
-    row, folder, jobs, progress
-        As in `run_study`.
+    row : type
+        The dataclass of the rows.
+    folder : Path
+        Holds one file per task; exists.
+    jobs : int
+        Tasks at a time, each in a process of its own.
     counted : str
         What tasks are called.
+
+    Raises
+    ------
+    FileFormatError
+        When a file of an earlier run cannot be read.
     """
     missing = {name: one for name, one in given.items() if not _file(folder, name).exists()}
 

@@ -7,7 +7,6 @@ writes real-bone.md and three pictures; an interrupted run goes on where it stop
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 from measured import keep
@@ -16,7 +15,7 @@ from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.terminal.console import ProgressBar
 
-from .command import reported
+from .command import reported, study_parser
 from .paths_page import table_of
 from .real_bone_angles import angle_rows, angle_tables, shadow_rows, traced_echoes
 from .real_bone_cases import RealBone, real_bone_rows
@@ -27,10 +26,7 @@ from .real_bone_paths import path_rows
 
 def main(words: list[str]) -> int:
     """Run what is missing, then write the page and the pictures; the answer is the exit status."""
-    parser = argparse.ArgumentParser(prog="python Testing/study real_bone", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="reconstructions at a time (default: %(default)s)")
-    parser.add_argument("--pages", action="store_true", help="also renew docs/measured, and the pages that show it")
+    parser = study_parser("real_bone", __doc__)
     arguments = parser.parse_args(words)
     if arguments.jobs < 1:
         parser.error("a study takes at least 1 job")

@@ -10,7 +10,6 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
-from figures.bone_angle import DEPTH, FlatBone, excess, simulated_profiles
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
@@ -20,6 +19,8 @@ from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects, simulate_frame
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
+
+from .flat_bone import DEPTH, FlatBone, excess, simulated_profiles
 
 ANGLES = (0, 10, 20, 30, 40, 50, 60, 70, 80)
 """degrees between beam and normal, edges of the bins."""
@@ -139,8 +140,7 @@ def angle_rows(echoes: Echoes) -> list[dict[str, float]]:
     """Per range of `ANGLES` with enough lines: their number, mean gray levels, and the echo over tissue as a share of that met squarely."""
     square = echoes.angle < SQUARE
     real = float(np.nanmean(echoes.peak[square] - echoes.tissue[square]))
-    peak, tissue, _ = excess(simulated_profiles(SQUARE / 2))
-    simulated, rows = peak - tissue, []
+    simulated, rows = excess(simulated_profiles(SQUARE / 2)), []
     for low, high in pairwise(ANGLES):
         those = (echoes.angle >= low) & (echoes.angle < high)
         if those.sum() < FEWEST:
@@ -149,8 +149,8 @@ def angle_rows(echoes: Echoes) -> list[dict[str, float]]:
         row = {"low": low, "high": high, "middle": middle, "lines": int(those.sum()), "cosine": float(np.cos(np.radians(middle)))}
         row |= {name: float(np.nanmean(getattr(echoes, name)[those])) for name in ("peak", "elsewhere", "tissue")}
         row |= {f"peak_{part}": float(np.nanpercentile(echoes.peak[those], part)) for part in (25, 75)}
-        peak, tissue, _ = excess(simulated_profiles(middle))
-        rows.append({**row, "share": (row["peak"] - row["tissue"]) / real, "simulated": (peak - tissue) / simulated})
+        share = excess(simulated_profiles(middle)) / simulated
+        rows.append({**row, "share": (row["peak"] - row["tissue"]) / real, "simulated": share})
     return rows
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -10,11 +9,11 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.compounding.methods.table import BONE_METHODS, method_named
 from AIFReconLib.compounding.state import Reconstruction
-from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
@@ -30,7 +29,7 @@ from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 from .method_cases import OURS, PLAIN, WITHOUT_BONE
-from .patients import run_tasks
+from .patients import data_folder, run_tasks
 from .real_bone_measures import by_incidence, false_bone, precision, reached_points
 from .reference_methods import confidence_weighted, incidence_weighted, largest_contrast
 
@@ -81,18 +80,8 @@ class RealBone:
 
     @classmethod
     def found(cls) -> RealBone:
-        """That in AIFRECON_DATA_DIR, else in shared/data beside the repository, where the tests look too.
-
-        Raises
-        ------
-        FileFormatError
-            When it is not there.
-        """
-        beside = Path(__file__).resolve().parents[3] / "shared" / "data"
-        folder = Path(os.environ.get("AIFRECON_DATA_DIR") or beside) / "fibula"
-        if not folder.is_dir():
-            raise FileFormatError(f"{folder} is not there. Set AIFRECON_DATA_DIR to the folder that holds fibula/.")
-        return cls(folder)
+        """That of `data_folder`."""
+        return cls(data_folder("fibula"))
 
     @cached_property
     def truth(self) -> BoneTruth:
@@ -178,10 +167,8 @@ class RealBone:
 
     def _turned(self, axis: np.ndarray, degrees: float) -> np.ndarray:
         """A turn about an axis through the middle of the bone that beams reached."""
-        angle, (x, y, z) = np.radians(degrees), axis
-        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
         turn = np.eye(4)
-        turn[:3, :3] = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+        turn[:3, :3] = Rotation.from_rotvec(np.radians(degrees) * axis).as_matrix()
         middle = self.reached[0].mean(axis=0)
         turn[:3, 3] = middle - turn[:3, :3] @ middle
         return turn

@@ -9,23 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from .command import carry_out, page_writer, parsed, study_parser
+from .command import Study
 from .patients import table_line
 from .registration_cases import Row, patient_rows
 
 CHOSEN_ON = (0, 1)
 """Patients on which constants were chosen: they have no say in the table of docs/registration.md."""
-
-
-def main(words: list[str]) -> int:
-    """Run what is missing, then write the page; the answer is the exit status."""
-    arguments = parsed(study_parser("registration", __doc__), words)
-    return carry_out(arguments, patient_rows, Row, page_writer(arguments, "registration", page_of, judging), "registrations")
-
-
-def judging(rows: list[Row]) -> list[Row]:
-    """The rows of patients that had no say in anything."""
-    return [row for row in rows if row.patient not in CHOSEN_ON]
 
 
 def page_of(rows: list[Row]) -> str:
@@ -63,3 +52,12 @@ def _kept(rows: list[Row]) -> list[str]:
             cells += [f"{np.median(shares):.1%}", f"{min(shares):.1%}"]
         lines.append(table_line(condition, cells))
     return lines
+
+
+STUDY = Study(
+    patient_rows,
+    Row,
+    "registrations",
+    lambda rows: {"registration": page_of(rows)},
+    shown=lambda rows: {"registration": page_of([row for row in rows if row.patient not in CHOSEN_ON])},
+)

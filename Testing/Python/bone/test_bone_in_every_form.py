@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 import scipy
+from study.ct_bone import surface_off
+from study.method_cases import HOLE_LIMIT, simulated_scan
 
 from AIFReconLib.bone.ct.from_ct import labels_from_ct
 from AIFReconLib.evaluation.metrics import evaluate
@@ -22,11 +21,6 @@ from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.simulation.anatomy import LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import multi_angle_sweep
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
-from study.ct_bone import surface_off
-from study.method_cases import HOLE_LIMIT, simulated_scan
 
 FRAMES = 36
 

@@ -17,7 +17,6 @@ from seen_planes import IMAGING, PlaneSweep
 
 from AIFReconLib.bone.echoes.finder import BoneEchoFinder
 from AIFReconLib.bone.network.model import OnnxModel
-from AIFReconLib.bone.predicted_bone import bone_from_frames
 from AIFReconLib.bone.scan_line_reader import ScanLineReader
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import FileFormatError
@@ -73,14 +72,6 @@ def test_images_are_resized_to_what_the_model_takes(tmp_path, description):
     assert found.shape == (24, 20)
     # Each row is the middle of two, but at the border
     np.testing.assert_allclose(255 * found[1:-1, 7], 4 * (2 * np.arange(1, 23) + 0.5), atol=1e-3)
-
-
-def test_a_model_draws_the_bone_map_of_a_sweep(tmp_path):
-    rows, columns = SWEEP.images.shape[1:]
-    path = model_in(tmp_path, echo_score(rows, columns, (0.5, 0.5)), std=1 / 255, output="probability")
-    bone = bone_from_frames(SWEEP.sequence, OnnxModel(path), SWEEP.swept, IMAGING)
-    assert bone.probability.array.max() > 0.999
-    assert bone.notes == ("Bone is what the model model.onnx says.",)
 
 
 # What is refused

@@ -13,7 +13,7 @@ from sweeps import image_pose
 from AIFReconLib.bone.echoes.finder import SKIN, BoneEchoFinder
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.search import echoes_of
-from AIFReconLib.bone.echoes.surface import bone_from_sweep, surface_of
+from AIFReconLib.bone.echoes.surface import surface_of
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.parser import main
 from AIFReconLib.effective_settings import Imaging
@@ -23,7 +23,6 @@ from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
@@ -193,15 +192,6 @@ def test_the_map_peaks_at_the_right_millimeter():
     assert (offsets * high).sum() / high.sum() == pytest.approx(0.0, abs=0.5)
 
 
-def test_surface_directions_point_along_the_beam_where_it_meets_the_surface_at_a_right_angle():
-    sequence, poses, imaging = oblique_sweep()
-    bone = bone_of(sequence, poses, imaging)
-    placed = bone.on_grid(bone.probability.grid, "surface")
-    pose = poses.image_to_reference[6]
-    i, j, k = np.rint(transform_points(bone.probability.grid.reference_to_ijk, points_in(pose, [60.0], arc_row([60]))))[0].astype(int)
-    assert placed.directions_reference[k, j, i] @ (pose[:3, 1] / np.linalg.norm(pose[:3, 1])) > 0.97
-
-
 def test_a_frame_that_cannot_be_placed_takes_no_part():
     sequence, poses, imaging = oblique_sweep()
     broken = poses.image_to_reference.copy()
@@ -225,14 +215,6 @@ def patient(tmp_path):
     folder = tmp_path / "inputs"
     folder.mkdir()
     return write_patient(folder, tracked_sequence(images=images))
-
-
-def test_the_command_gives_what_the_library_gives(patient, tmp_path):
-    assert main([*patient.reconstruct, "--bone-from-sweep", "--method", "weighted", "--output", str(tmp_path / "v.nrrd")]) == 0
-    sequence = read_sequence(patient.sweep, config=patient.config)
-    bone = bone_from_sweep(sequence)
-    expected = reconstruct(sequence, ReconstructionSettings(method="weighted"), bone)
-    np.testing.assert_array_equal(read_volume(tmp_path / "v.nrrd").array, expected.intensity.array)
 
 
 def reconstructed(patient, path, *options) -> np.ndarray:

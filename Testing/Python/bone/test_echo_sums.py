@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from math import exp
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 from seen_planes import IMAGING, PlaneSweep
 
 from AIFReconLib.bone.echoes.found import SweepEchoes
-from AIFReconLib.bone.echoes.surface import HALF, EchoSurface, _CubeSums, cubes_of, surface_of
+from AIFReconLib.bone.echoes.surface import EchoSurface, surface_of
 from AIFReconLib.bone.predicted_bone import PointsOfFrames
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.errors import GeometryError
@@ -36,25 +35,6 @@ def bent(count=90, seed=0) -> SweepEchoes:
 
 
 # Sums
-
-
-def test_sums_in_cubes_are_those_of_a_loop_whatever_their_order():
-    random = np.random.default_rng(1)
-    cubes, values = random.integers(-3, 4, (400, 3)), random.integers(0, 9, (2, 400)).astype(float)
-    expected: dict = defaultdict(lambda: np.zeros(2))
-    for cube, value in zip(cubes, values.T):
-        expected[tuple(cube)] += value
-    sums = _CubeSums(2)
-    for first in range(0, 400, 37):
-        sums.add(cubes[first : first + 37], values[:, first : first + 37])
-    found, of = sums.within(np.array([-2, -3, -1]), np.array([3, 0, 2]))
-    wanted = {cube: value for cube, value in expected.items() if -2 <= cube[0] <= 3 and -3 <= cube[1] <= 0 and -1 <= cube[2] <= 2}
-    assert {tuple(cube): tuple(value) for cube, value in zip(found, of.T)} == {cube: tuple(value) for cube, value in wanted.items()}
-    assert len(found) == len(wanted)
-
-
-def test_points_out_of_this_world_lie_in_cubes_at_its_end():
-    assert cubes_of(np.array([[1e30, -1e30, 0.4]])).tolist() == [[HALF - 1, -HALF, 0]]
 
 
 # Planes
@@ -138,15 +118,6 @@ def test_the_surface_is_that_of_loops_over_echoes():
     assert 0 < borders < 40
 
 
-def test_what_lies_in_the_shadow_of_more_is_no_bone():
-    echoes = bent(300)
-    found = surface_of(echoes)
-    behind = np.flatnonzero(np.arange(300) % 6 == 0)
-    i, j, k = (cubes_of(echoes.points) - np.rint(found.probability.grid.origin).astype(int)).T
-    assert np.mean(found.probability.array[k, j, i][behind] > 0.3) < 0.3
-    assert np.mean(np.delete(found.probability.array[k, j, i], behind) > 0.3) > 0.9
-
-
 def test_of_no_echoes_there_is_no_surface():
     with pytest.raises(GeometryError, match="No frame shows an echo"):
         surface_of(SweepEchoes.joined([]))
@@ -180,10 +151,6 @@ class Told:
         """By how much that differs from the whole."""
         assert self.whole.slopes is not None
         return np.abs(self.values - (self.whole.probability.array, *self.whole.slopes))
-
-
-def test_a_surface_that_grew_from_one_side_is_that_of_all_echoes():
-    assert Told(echoes_of(PlaneSweep(count=8, turn=0.0))).off.max() < 1e-5
 
 
 def test_a_surface_that_grew_from_several_sides_differs_by_how_much_sides_count_alone():

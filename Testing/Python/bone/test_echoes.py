@@ -33,10 +33,6 @@ def test_of_the_echoes_in_a_cube_the_surest_is_kept_in_the_first_grid_that_is_co
     np.testing.assert_array_equal(all_of_them.thinned(most).frames, sorted(best.values()))
 
 
-def test_as_many_echoes_as_are_wanted_are_all_kept():
-    assert len(scattered(40).thinned(40)) == 40
-
-
 def test_one_core_and_many_find_the_same_echoes_in_the_same_order(tmp_path, monkeypatch):
     patient = write_simulated_patient(tmp_path, 0, "multi-angle", 20)
     found = []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from functools import cache
 from pathlib import Path
 
@@ -10,6 +9,8 @@ import numpy as np
 import pydicom
 import pytest
 import SimpleITK as sitk
+from study.ct_bone import MOST_MEDIAN, MOST_OFF, phantom_of, surface_off
+from study.ct_disturbances import disturbed_ct
 
 from AIFReconLib.bone.ct.from_ct import labels_from_ct
 from AIFReconLib.errors import GeometryError, SettingsError, VolumeFormatError
@@ -18,11 +19,6 @@ from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.dicom_series import read_ct
 from AIFReconLib.simulation.anatomy import LumbarPhantom
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
-from study.ct_bone import MOST_MEDIAN, MOST_OFF, phantom_of, surface_off
-from study.ct_disturbances import disturbed_ct
 
 PATIENT = 2
 """The one with the largest voxels: the least work, and the hardest."""

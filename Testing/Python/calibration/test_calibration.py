@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,15 +11,12 @@ from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, 
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.calibration import calibration, check
-from AIFReconLib.calibration.calibration import Calibration, as_report, calibrate_echoes, findings
+from AIFReconLib.calibration.calibration import Calibration, calibrate_echoes, findings
 from AIFReconLib.calibration.check import mirrored, quarter_turns
 from AIFReconLib.calibration.crossing import crossing
 from AIFReconLib.calibration.echoes import Correction, _PlaneTrack
 from AIFReconLib.calibration.solve import ALL, PARAMETERS, Solved, _Cost, as_correction, as_vector, named
 from AIFReconLib.geometry.transforms import with_unit_depth
-from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.message import Sentence
-from AIFReconLib.registration.agreement import Agreement
 from AIFReconLib.simulation.scan import random_rigid
 
 
@@ -104,12 +100,6 @@ def test_the_ct_of_another_patient_is_refused():
     assert "No calibration near this one" in (found.refusal or "")
 
 
-def test_a_report_holds_what_a_log_book_needs(found):
-    report = as_report(found)
-    assert report["accepted"] is True
-    assert report["median_distance_mm"]["after"] < report["median_distance_mm"]["before"]
-
-
 # ---- geometry
 
 
@@ -156,13 +146,6 @@ def test_a_frame_alone_in_its_pass_stays_where_it_is():
     assert track.at(np.array([0.05]))[0] == pytest.approx(planes[0])
 
 
-def test_as_many_echoes_of_each_angle_take_part(true):
-    chosen = true.spread(600)
-    counts = np.bincount(chosen.angles[chosen.frames])
-    assert len(chosen) <= 600
-    assert counts.min() > 0.5 * counts.max()
-
-
 def test_angles_lie_nearer_to_each_other_as_they_are_than_mirrored(true):
     wrong = wrongly_calibrated(true, 3.0, 2.0)
     assert crossing(true) < 0.8 * crossing(mirrored(true))
@@ -198,23 +181,3 @@ def test_without_times_the_delay_is_not_asked_for(bone):
     found = calibrate_echoes(replace(timed, times=np.full(len(timed.times), np.nan)), bone, np.eye(4))
     assert not found.held[-1]
     assert found.correction.delay == 0.0
-
-
-@pytest.mark.parametrize(("close", "asked"), [(0.2, 1), (0.4, 2)])
-def test_what_lies_on_the_bone_as_it_is_is_not_told_to_be_wrong_where_other_calibrations_fit_as_well(true, monkeypatch, close, asked):
-    before, wide = Agreement(0.9, 0.3, 1000, 0, closeness=close), as_correction(np.array([0, 0, 0, 0, 0, 0, 0.2, 0, 0]), true.center)
-    refused = SimpleNamespace(accepted=False, reason="Two fit as well.", before=before, correction=wide, labels_to_reference=np.eye(4))
-    calls = []
-    monkeypatch.setattr(check, "sweeps_of", lambda sequences, _: list(sequences))
-    monkeypatch.setattr(check, "imaged_echoes", lambda *given: true)
-    monkeypatch.setattr(
-        check,
-        "repairs",
-        lambda *given: [(Sentence("the images look mirrored", "Mend recordings with aifrecon convert {mirror}."), true)],
-    )
-    monkeypatch.setattr(check, "calibrate_echoes", lambda *given: calls.append(given) or refused)
-    monkeypatch.setattr(check, "TRIED", 1)
-    found = check.checked([], Volume(np.tri(3, dtype=np.uint8)[None].repeat(3, axis=0), np.eye(4)), np.eye(4))
-    assert found.agrees is None
-    assert ("Two fit as well." in found.finding) is (asked == 1)
-    assert len(calls) == asked

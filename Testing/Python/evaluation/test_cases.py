@@ -137,10 +137,6 @@ def test_settings_that_differ_between_cases_are_told_and_what_is_found_for_each_
     assert bone == "weighted: bone_sigma_mm in P1, P2, the bone of the sweep's own echoes in P3"
 
 
-def test_what_was_weighted_by_the_yardstick_is_known(found):
-    assert found.own_bone == {"weighted"}
-
-
 @pytest.mark.parametrize("text", ["a,b\n1,2\n", "volume,bone_cnr\nx.nrrd,much\n", "\0\0"])
 def test_what_is_no_such_table_is_refused(tmp_path, text):
     (tmp_path / "other.csv").write_text(text, "utf-8")

@@ -14,7 +14,7 @@ import pytest
 from AIFReconLib.evaluation import preview as room
 from AIFReconLib.evaluation.figures import BONE_COLOR, NOT_SCANNED, cut_panel
 from AIFReconLib.evaluation.preview import preview
-from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, planes, whole_cut
+from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, whole_cut
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
@@ -122,16 +122,6 @@ def test_a_picture_has_letters_with_labels_a_ct_or_the_user_s_word(more, letters
     monkeypatch.setattr(room, "png_of", lambda _: b"")
     preview(volume_with(), **{name: volume_with() if name != "patient" else True for name in more})
     assert ("axial" in drawn) == letters
-
-
-def test_the_patient_s_letters_are_written_only_where_it_is_known_how_the_patient_lies():
-    assert [plane.name for plane in planes(patient=True)] == ["axial", "sagittal", "coronal"]
-    across = planes(patient=False)
-    assert [(plane.name, plane.edges) for plane in across] == [
-        ("across z", ("+x", "-x", "+y", "-y")),
-        ("across x", ("+y", "-y", "+z", "-z")),
-        ("across y", ("+x", "-x", "+z", "-z")),
-    ]
 
 
 def test_cuts_go_through_the_middle_of_bone_that_shows():

@@ -91,16 +91,6 @@ def test_a_ct_that_is_placed_anew_is_told_from_the_poses_so_far(watching, frames
     assert until(same)
 
 
-def test_a_next_move_comes(watching, frames):
-    session, watch = watching()
-    show(session, watch, frames)
-    assert until(lambda: watch._advisor is not None)
-    session.latest = LiveFrame(frames[0].image, frames[0].image_to_reference, timestamp=9.0, number=9)
-    assert until(lambda: watch.state.advice is not None and watch.state.advice.move is not None)
-    assert watch.state.advice.seen.directions
-    assert set(watch.state.advice.seen.over) <= {1, 2}
-
-
 def test_a_next_move_leads_to_places_that_were_not_seen(watching, frames):
     """And bone is told as before."""
     session, watch = watching(unseen=np.array([(6.0, -5.0, 0.0), (6.0, -2.0, 0.0), (9.0, -5.0, 0.0)]))

@@ -7,6 +7,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -118,32 +119,13 @@ def graph() -> dict[Path, set[Path]]:
     return {file: set(imported(file)) - {file, LIBRARY / "__init__.py"} for file in FILES}
 
 
-def circles(edges: dict[Path, set[Path]]) -> list[list[str]]:
-    """Groups of files that import each other, directly or through others (Tarjan)."""
-    number: dict[Path, int] = {}
-    low: dict[Path, int] = {}
-    stack: list[Path] = []
-    found = []
-
-    def visit(file: Path) -> None:
-        number[file] = low[file] = len(number)
-        stack.append(file)
-        for other in edges.get(file, ()):
-            if other not in number:
-                visit(other)
-                low[file] = min(low[file], low[other])
-            elif other in stack:
-                low[file] = min(low[file], number[other])
-        if low[file] == number[file]:
-            group = stack[stack.index(file) :]
-            del stack[stack.index(file) :]
-            if len(group) > 1:
-                found.append(sorted(map(name_of, group)))
-
-    for file in edges:
-        if file not in number:
-            visit(file)
-    return found
+def circle(edges: dict[Path, set[Path]]) -> list[str]:
+    """Files of which each imports the next, the last one the first; empty where there are none."""
+    try:
+        TopologicalSorter(edges).prepare()
+    except CycleError as error:
+        return [name_of(file) for file in error.args[1]]
+    return []
 
 
 def upward(edges: dict[Path, set[Path]]) -> set[tuple[str, str]]:
@@ -166,7 +148,7 @@ def test_imports_run_down_the_order_of_rooms():
 
 
 def test_no_files_import_each_other_in_a_circle():
-    assert circles(graph()) == []
+    assert circle(graph()) == []
 
 
 def packages_of(tree: ast.AST) -> set[str]:
@@ -225,4 +207,4 @@ def test_an_import_in_a_function_one_that_runs_up_and_a_circle_are_seen():
     edges = {LIBRARY / "geometry" / "volume.py": {LIBRARY / "sweep" / "frames.py"}}
     assert upward(edges) == {("AIFReconLib/geometry/volume.py", "AIFReconLib/sweep/frames.py")}
     a, b, c, d = (REPOSITORY / f"{letter}.py" for letter in "abcd")
-    assert circles({a: {b}, b: {c}, c: {a}, d: {a}}) == [["a.py", "b.py", "c.py"]]
+    assert set(circle({a: {b}, b: {c}, c: {a}, d: {a}})) == {"a.py", "b.py", "c.py"}

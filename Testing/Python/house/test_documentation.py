@@ -15,9 +15,6 @@ from pathlib import Path
 import pytest
 from doc_pages import PAGES, REPOSITORY, ROOTS, SOURCES, Block, anchors, blocks, code_spans, emphasized, first_column, links, name_of, paths
 from doc_workplace import make_workplace, serve
-
-sys.path.insert(0, str(REPOSITORY / "Testing"))
-
 from measured import FOLDER as MEASURED
 from measured import pages as pages_of_measured
 from measured import renewed
@@ -279,12 +276,3 @@ def test_what_does_not_exist_is_seen(tmp_path):
     source = tmp_path / "source.py"
     source.write_text('def f():\n    """See `--no-such-option`, ``aifrecon reconstrut`` and `make nothing`."""\n', "utf-8")
     assert wrong_in_running_text(source) == ["reconstrut", "--no-such-option", "nothing"]
-
-
-def test_commands_links_and_anchors_are_seen(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text("```sh\naifrecon info a.mha \\\n    --json  # says all\n```\n```text\naifrecon reconstruct demo\n```\n", "utf-8")
-    assert [block.commands() for block in blocks(page)] == [[["aifrecon", "info", "a.mha", "--json"]], []]
-    page.write_text('# A `b` (c)\n[x](one.md#two) ![y](z.png)\n\n[n]: http://a.b\n<img src="q.png">\n```\n[no](no)\n```\n', "utf-8")
-    assert links(page) == ["one.md#two", "z.png", "http://a.b", "q.png"]
-    assert anchors(page) == {"a-b-c"}

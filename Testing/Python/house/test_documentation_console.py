@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
-import os
-import subprocess
-import sys
-
-import pytest
 from doc_pages import REPOSITORY, blocks
 from doc_workplace import make_workplace
+from host_process import run_on_host
 
 GUIDE = REPOSITORY / "docs" / "slicer-data.md"
 
@@ -39,17 +34,11 @@ host.raise_slot_errors()
 
 
 def test_the_lines_of_the_console_make_a_volume(tmp_path):
-    for package, name in (("PySide6", "PySide6-Essentials"), ("slicer", "slicer-core")):
-        if importlib.util.find_spec(package) is None:
-            pytest.skip(f"{name} is not installed: pip install '.[test]'")
     make_workplace(tmp_path)
     (block,) = [block for block in blocks(GUIDE) if block.language == "python"]
     program = tmp_path / "console.py"
     program.write_text(AROUND.replace("# the lines go here", block.text), "utf-8")
-    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(REPOSITORY)}
-    done = subprocess.run([sys.executable, str(program), str(REPOSITORY)], cwd=tmp_path, env=environment, capture_output=True, text=True)
-    if "cannot run here" in done.stderr:
-        pytest.skip(done.stderr.strip().splitlines()[-1])
+    done = run_on_host(program, REPOSITORY, folder=tmp_path, PYTHONPATH=str(REPOSITORY))
     assert done.returncode == 0, done.stderr[-3000:]
     voxels = int(done.stdout.rpartition("voxels:")[2])
     assert voxels > 100

@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from contextlib import suppress
 
 import numpy as np
@@ -142,19 +141,6 @@ def test_an_interrupt_that_a_lock_turns_into_another_error_is_one(patient, resul
     monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct_job", waits)
     assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 130
     assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
-
-
-@posix
-def test_a_command_that_is_told_to_end_says_so_and_leaves_nothing(patient, results, monkeypatch, capsys):
-    def told(*_, **_options):
-        os.kill(os.getpid(), signal.SIGTERM)
-        while True:
-            time.sleep(0.01)
-
-    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct_job", told)
-    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 143
-    assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
-    assert list(results.iterdir()) == []
 
 
 # ---- limits

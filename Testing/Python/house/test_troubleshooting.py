@@ -23,8 +23,8 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 
 PAGE = REPOSITORY / "docs" / "troubleshooting.md"
-SWEEP = ["sweep.igs.mha", "--config", "PlusDeviceSet.xml"]
-OUTPUT = ["--output", "made.nrrd"]
+SWEEP = "sweep.igs.mha --config PlusDeviceSet.xml"
+OUTPUT = "--output made.nrrd"
 QUOTED = [line for block in blocks(PAGE) for line in block.text.splitlines()]
 """Every line that the page quotes."""
 
@@ -33,26 +33,6 @@ def without_numbers(text: str) -> str:
     """A line with every number, and every list of frames, made #."""
     text = re.sub(r"\((\d[\d, .-]*)\)", "(#)", " ".join(text.split()))
     return re.sub(r"\d+(\.\d+)?", "#", text)
-
-
-@pytest.fixture
-def here(tmp_path, monkeypatch) -> Path:
-    """The files of the page's commands, in the current folder."""
-    make_workplace(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-@pytest.fixture
-def said(capsys):
-    """Runs a command; what it says, line by line, without numbers."""
-
-    def run(*arguments) -> list[str]:
-        main([str(argument) for argument in arguments])
-        captured = capsys.readouterr()
-        return [without_numbers(line) for line in (captured.out + captured.err).splitlines()]
-
-    return run
 
 
 def quoted(beginning: str) -> str:
@@ -73,111 +53,103 @@ def rewrite(folder: Path, statuses=None, move=None) -> None:
     write_sequence(replace(sequence, records=records, images=np.asarray(sequence.images)), folder / "sweep.igs.mha")
 
 
-def blind(number: int) -> TransformStatus:
-    return TransformStatus.OUT_OF_VIEW
+def as_it_is(folder: Path) -> None:
+    """The files of the page's commands."""
 
 
-def far_away(number: int) -> np.ndarray:
-    return rigid(translation=(0.0, 0.0, 500.0 * number))
+def blind(folder: Path) -> None:
+    rewrite(folder, lambda number: TransformStatus.OUT_OF_VIEW)
 
 
-def test_a_recording_without_calibration(here, said):
-    assert quoted("aifrecon: sweep.igs.mha: Nothing says where") in said("reconstruct", "sweep.igs.mha", *OUTPUT)
+def at_times_blind(folder: Path) -> None:
+    rewrite(folder, lambda number: TransformStatus.OUT_OF_VIEW if number in (1, 2, 5) else TransformStatus.OK)
 
 
-def test_a_recording_that_holds_image_poses_read_with_the_calibration(here, said):
-    sequence = read_sequence(here / "sweep.igs.mha")
+def far_apart(folder: Path) -> None:
+    rewrite(folder, move=lambda number: rigid(translation=(0.0, 0.0, 500.0 * number)))
+
+
+def jumping(folder: Path) -> None:
+    rewrite(folder, move=lambda number: rigid(translation=(0.0, 0.0, 0.5 * number + (300.0 if number > 4 else 0.0))))
+
+
+def with_image_poses(folder: Path) -> None:
+    sequence = read_sequence(folder / "sweep.igs.mha")
     pose = TransformSample(rigid(), TransformStatus.OK)
     records = [replace(r, transforms={**r.transforms, TransformName("Image", "Reference"): pose}) for r in sequence.records]
-    write_sequence(replace(sequence, records=records, images=np.asarray(sequence.images)), here / "scan.mhd")
-    command = ["reconstruct", "scan.mhd", "--config", "PlusDeviceSet.xml", "--spacing", "2", *OUTPUT]
-    assert quoted("aifrecon: scan.mhd: Two paths lead") in said(*command)
-    assert "wrote made.nrrd" in said(*command, "--image-to-reference", "ImageToReference")
+    write_sequence(replace(sequence, records=records, images=np.asarray(sequence.images)), folder / "scan.mhd")
 
 
-def test_a_tool_that_was_never_seen(here, said):
-    rewrite(here, blind)
-    assert quoted("aifrecon: sweep.igs.mha: no frame has a position") in said("reconstruct", *SWEEP, *OUTPUT)
+def box_elsewhere(folder: Path) -> None:
+    Volume(np.zeros((5, 5, 5), np.uint8), rigid(translation=(2000.0, 0.0, 0.0))).write(folder / "elsewhere.nrrd")
 
 
-def test_a_box_elsewhere(here, said):
-    Volume(np.zeros((5, 5, 5), np.uint8), rigid(translation=(2000.0, 0.0, 0.0))).write(here / "elsewhere.nrrd")
-    assert quoted("aifrecon: sweep.igs.mha: no frame falls") in said("reconstruct", *SWEEP, "--grid-like", "elsewhere.nrrd", *OUTPUT)
+def ct(folder: Path) -> None:
+    Volume(np.full((4, 5, 6), -1024, np.int16), np.eye(4)).write(folder / "ct.nrrd")
+
+
+def poses_in_meters(folder: Path) -> None:
+    header = (folder / "poses.csv").read_text("utf-8").splitlines()[0]
+    rows = [[0.05 * n, 1, 0, 0, 0.001 * n, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] for n in range(FRAMES)]
+    (folder / "poses.csv").write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]), "utf-8")
+
+
+RECONSTRUCT = f"reconstruct {SWEEP} {OUTPUT}"
+IMPORT = "import frames/ --poses poses.csv --output i.mha"
+CASES = {
+    "aifrecon: sweep.igs.mha: Nothing says where": (as_it_is, f"reconstruct sweep.igs.mha {OUTPUT}"),
+    "aifrecon: scan.mhd: Two paths lead": (with_image_poses, f"reconstruct scan.mhd --config PlusDeviceSet.xml {OUTPUT}"),
+    "aifrecon: sweep.igs.mha: no frame has a position": (blind, RECONSTRUCT),
+    "aifrecon: sweep.igs.mha: no frame falls": (box_elsewhere, f"{RECONSTRUCT} --grid-like elsewhere.nrrd"),
+    "The pose jumps faster": (jumping, f"info {SWEEP}"),
+    "aifrecon: The poses move": (poses_in_meters, f"{IMPORT} --transform ImageToTracker --spacing 0.4 0.5"),
+    "aifrecon: The poses of ImageToReference are rigid": (as_it_is, f"{IMPORT} --transform ImageToReference"),
+    "aifrecon: Method weighted needs": (as_it_is, f"{RECONSTRUCT} --method weighted"),
+    "aifrecon: ct.nrrd: labels must": (ct, f"{RECONSTRUCT} --bone-labels ct.nrrd"),
+    "skipped: 81 frames": (at_times_blind, RECONSTRUCT),
+    "aifrecon: Port 18974 is in use": (as_it_is, f"replay {SWEEP} --port SERVED"),
+    "aifrecon: 127.0.0.1 has no server": (as_it_is, f"live --port FREE {OUTPUT}"),
+    "aifrecon: Not one of": (blind, f"live --port SERVED --frames 9 {OUTPUT}"),
+    "aifrecon: The server at": (as_it_is, f"live --port SERVED --image Video {OUTPUT}"),
+    "aifrecon: A volume of": (far_apart, f"{RECONSTRUCT} --spacing 0.01"),
+}
+"""How a line of the page begins: what is done to the files of its commands, and the command that says it."""
+
+
+@pytest.mark.parametrize("beginning", CASES)
+def test_a_message_of_the_page_is_what_is_said(beginning, tmp_path, monkeypatch, capsys):
+    make_workplace(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("AIFReconLib.commands.live.DEVICE_TIMEOUT", 0.5)
+    arrange, command = CASES[beginning]
+    arrange(tmp_path)
+    server = serve(tmp_path)
+    if "FREE" in command:
+        server.stop()
+    try:
+        main(re.sub("SERVED|FREE", str(server.port), command).split())
+    finally:
+        server.stop()
+    captured = capsys.readouterr()
+    assert quoted(beginning) in map(without_numbers, (captured.out + captured.err).splitlines())
+
+
+def test_a_recording_to_which_two_paths_lead_is_read_as_the_page_says(tmp_path, monkeypatch):
+    make_workplace(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    with_image_poses(tmp_path)
+    assert (
+        main([*CASES["aifrecon: scan.mhd: Two paths lead"][1].split(), "--image-to-reference", "ImageToReference", "--spacing", "2"]) == 0
+    )
 
 
 def test_images_and_poses_out_of_step():
-    estimate = OffsetEstimate(0.1, 0.005)
-    assert quoted("Images and poses are likely") == without_numbers(estimate.to_text())
+    assert quoted("Images and poses are likely") == without_numbers(OffsetEstimate(0.1, 0.005).to_text())
 
 
-def test_a_pose_that_jumps(here, said):
-    rewrite(here, move=lambda number: rigid(translation=(0.0, 0.0, 0.5 * number + (300.0 if number > 4 else 0.0))))
-    assert quoted("The pose jumps faster") in said("info", *SWEEP)
-
-
-def test_poses_in_meters(here, said):
-    header = (here / "poses.csv").read_text("utf-8").splitlines()[0]
-    rows = [[0.05 * n, 1, 0, 0, 0.001 * n, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] for n in range(FRAMES)]
-    (here / "poses.csv").write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]), "utf-8")
-    poses = ["--poses", "poses.csv", "--transform", "ImageToTracker", "--spacing", "0.4", "0.5"]
-    assert quoted("aifrecon: The poses move") in said("import", "frames/", *poses, "--output", "imported.mha")
-
-
-def test_a_pixel_of_unknown_size(here, said):
-    lines = said("import", "frames/", "--poses", "poses.csv", "--transform", "ImageToReference", "--output", "i.mha")
-    assert quoted("aifrecon: The poses of ImageToReference are rigid") in lines
-
-
-def test_a_method_that_lacks_bone(here, said):
-    assert quoted("aifrecon: Method weighted needs") in said("reconstruct", *SWEEP, "--method", "weighted", *OUTPUT)
-
-
-def test_a_ct_in_the_place_of_labels(here, said):
-    Volume(np.full((4, 5, 6), -1024, np.int16), np.eye(4)).write(here / "ct.nrrd")
-    assert quoted("aifrecon: ct.nrrd: labels must") in said("reconstruct", *SWEEP, "--bone-labels", "ct.nrrd", *OUTPUT)
-
-
-def test_frames_that_are_skipped(here, said):
-    rewrite(here, lambda number: TransformStatus.OUT_OF_VIEW if number in (1, 2, 5) else TransformStatus.OK)
-    assert quoted("skipped: 81 frames") in said("reconstruct", *SWEEP, *OUTPUT)
-
-
-def test_no_server(here, said):
-    server = serve(here)
-    port = server.port
-    server.stop()
-    assert quoted("aifrecon: 127.0.0.1 has no server") in said("live", "--port", port, *OUTPUT)
-
-
-def test_a_port_in_use(here, said):
-    server = serve(here)
-    try:
-        assert quoted("aifrecon: Port 18974 is in use") in said("replay", *SWEEP, "--port", server.port)
-    finally:
-        server.stop()
-
-
-def test_a_live_scan_of_a_probe_that_is_not_seen(here, said):
-    rewrite(here, blind)
-    server = serve(here)
-    try:
-        assert quoted("aifrecon: Not one of") in said("live", "--port", server.port, "--frames", "9", *OUTPUT)
-    finally:
-        server.stop()
-
-
-def test_an_image_device_that_is_not_there(here, said, monkeypatch):
-    monkeypatch.setattr("AIFReconLib.commands.live.DEVICE_TIMEOUT", 0.5)
-    server = serve(here)
-    try:
-        assert quoted("aifrecon: The server at") in said("live", "--port", server.port, "--image", "Video", *OUTPUT)
-    finally:
-        server.stop()
-
-
-def test_a_volume_too_large_for_memory(here, said):
-    rewrite(here, move=far_away)
-    assert quoted("aifrecon: A volume of") in said("reconstruct", *SWEEP, "--spacing", "0.01", *OUTPUT)
+def test_every_message_of_the_page_is_brought_about_here():
+    beginnings = (*CASES, "Images and poses are likely")
+    assert [line for line in QUOTED if line.strip() and not line.strip().startswith(beginnings)] == []
 
 
 def test_what_the_panel_says_is_on_the_page():
@@ -206,9 +178,3 @@ def test_the_words_on_the_screen_are_said():
     pieces = [piece.strip() for word in words for piece in re.split(r"\b[A-Z]\w+\b", word) if len(piece.strip()) > 3]
     assert len(words) >= 9
     assert [piece for piece in pieces if piece not in said_live()] == []
-
-
-def test_every_message_of_the_page_is_brought_about_here():
-    tests = Path(__file__).read_text("utf-8")
-    beginnings = re.findall(r'quoted\("([^"]+)"\)', tests)
-    assert [line for line in QUOTED if line.strip() and not line.strip().startswith(tuple(beginnings))] == []

@@ -18,12 +18,8 @@ def test_a_voxel_three_times_as_bright_as_its_echoes_owes_two_thirds_to_the_meth
     assert raised_share(np.array([150], np.uint8), np.array([50], np.uint8)) == pytest.approx(2 / 3)
 
 
-def test_a_voxel_as_bright_as_its_echoes_or_darker_is_not_marked():
-    assert raised_bands(volume([80, 80, 0]), volume([80, 90, 0])).max() == 0
-
-
-def test_what_is_darker_than_bone_is_not_marked():
-    assert raised_bands(volume([120]), volume([20])).max() == 0
+def test_only_what_is_as_bright_as_bone_and_brighter_than_its_echoes_is_marked():
+    assert raised_bands(volume([80, 80, 0, 120]), volume([80, 90, 0, 20])).max() == 0
     assert raised_bands(volume([130]), volume([20])).max() > 0
 
 

@@ -29,10 +29,12 @@ def told(data_dir):
 @pytest.fixture
 def compared(told, host):
     """Pairs of stand-in, or class of Qt, and what was told of it."""
+    from host import application, modules, qt_modules, views, widgets_collapsible, widgets_ctk, widgets_qmrml, windows
     from PySide6 import QtWidgets
-    from test_host_headers import stand_ins
 
-    known = stand_ins()
+    known: dict[str, type] = {}
+    for module in (widgets_collapsible, widgets_ctk, widgets_qmrml, application, modules, views, windows):
+        known |= qt_modules.stand_ins(module)
     pairs = [(known.get(OF_BASE.get(name, name)) or getattr(QtWidgets, name, None), each) for name, each in told.items()]
     return [(kind, each) for kind, each in pairs if kind is not None]
 

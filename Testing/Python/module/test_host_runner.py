@@ -43,10 +43,3 @@ def test_an_exception_in_a_vtk_observer_is_kept(host, capsys):
     node.Modified()
     assert {type(error) for error in host.take_slot_errors()} == {ZeroDivisionError}
     assert "ZeroDivisionError" in capsys.readouterr().err
-
-
-def test_nothing_is_installed(host):
-    import slicer
-
-    with pytest.raises(RuntimeError, match="does not install packages: pyigtl"):
-        slicer.util.pip_install("pyigtl")

@@ -50,9 +50,10 @@ def property_of(widget, name: str) -> str | None:
     return None if found is None else "".join(found.itertext()).strip()
 
 
-def module_level_imports(tree: ast.Module) -> set[str]:
+def imports_of(nodes) -> set[str]:
+    """The packages that some statements import."""
     packages = set()
-    for node in tree.body:
+    for node in nodes:
         if isinstance(node, ast.Import):
             packages |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
@@ -60,21 +61,19 @@ def module_level_imports(tree: ast.Module) -> set[str]:
     return packages
 
 
-def test_every_script_of_the_library_is_packaged():
-    library = REPOSITORY / "AIFReconLib"
-    assert sorted(listed(library / "CMakeLists.txt", "MODULE_PYTHON_SCRIPTS")) == relative(library, library.rglob("*.py"))
-    assert sorted(listed(library / "CMakeLists.txt", "MODULE_PYTHON_RESOURCES")) == relative(
-        library, (path for kind in ("*.json", "*.css", "*.html", "*.pyi") for path in library.rglob(kind))
-    )
-
-
-def test_every_script_of_the_module_is_packaged():
-    assert sorted(listed(MODULE / "CMakeLists.txt", "MODULE_PYTHON_SCRIPTS")) == relative(MODULE, MODULE_FILES)
-
-
-def test_every_resource_of_the_module_is_packaged():
-    resources = [path for path in (MODULE / "Resources").rglob("*") if path.is_file()]
-    assert sorted(listed(MODULE / "CMakeLists.txt", "MODULE_PYTHON_RESOURCES")) == relative(MODULE, resources)
+@pytest.mark.parametrize(
+    ("folder", "variable", "kinds"),
+    [
+        ("AIFReconLib", "MODULE_PYTHON_SCRIPTS", ["*.py"]),
+        ("AIFReconLib", "MODULE_PYTHON_RESOURCES", ["*.json", "*.css", "*.html", "*.pyi"]),
+        ("AIFRecon", "MODULE_PYTHON_SCRIPTS", ["*.py"]),
+        ("AIFRecon", "MODULE_PYTHON_RESOURCES", ["Resources/**/*.*"]),
+    ],
+)
+def test_every_file_is_packaged(folder, variable, kinds):
+    root = REPOSITORY / folder
+    files = [path for kind in kinds for path in root.rglob(kind) if path.is_file()]
+    assert sorted(listed(root / "CMakeLists.txt", variable)) == relative(root, files)
 
 
 def test_every_self_test_is_registered():
@@ -83,14 +82,21 @@ def test_every_self_test_is_registered():
     assert sorted(registered) == relative(folder, folder.glob("*Test.py"))
 
 
-@pytest.mark.parametrize(("path", "size"), [(REPOSITORY / "Resources" / "AIFRecon.png", 128)], ids=["extension"])
-def test_the_icon_of_the_extension_has_the_size_that_slicer_asks(path, size):
-    assert struct.unpack(">II", path.read_bytes()[16:24]) == (size, size)
+def test_the_icon_of_the_extension_has_the_size_that_slicer_asks():
+    assert struct.unpack(">II", (REPOSITORY / "Resources" / "AIFRecon.png").read_bytes()[16:24]) == (128, 128)
 
 
 @pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)
-def test_nothing_heavy_is_imported_when_slicer_starts(path):
-    assert module_level_imports(ast.parse(path.read_text("utf-8"))) & HEAVY == set()
+def test_a_file_of_the_module_starts_light_is_short_and_completes_texts_after_their_translation(path):
+    """And the files that know the scene know no Qt."""
+    text = path.read_text("utf-8")
+    tree = ast.parse(text)
+    assert imports_of(tree.body) & HEAVY == set()
+    if "AIFReconScene" in path.parts:
+        assert imports_of(ast.walk(tree)) & {"qt", "ctk", "PySide6"} == set()
+    assert len(text.splitlines()) < 400
+    translated = [node for node in ast.walk(tree) if isinstance(node, ast.Call) and ast.unparse(node.func) == "_"]
+    assert [call.lineno for call in translated if not all(isinstance(argument, ast.Constant) for argument in call.args)] == []
 
 
 def test_what_the_module_imports_of_the_library_loads_nothing_that_computes():
@@ -105,29 +111,6 @@ def test_what_the_module_imports_of_the_library_loads_nothing_that_computes():
         [sys.executable, "-c", code.replace("{heavy}", repr(heavy)), *names], cwd=REPOSITORY, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.parametrize("path", sorted((MODULE / "AIFReconScene").glob("*.py")), ids=name_of)
-def test_the_scene_side_knows_no_qt(path):
-    imported = {
-        name
-        for node in ast.walk(ast.parse(path.read_text("utf-8")))
-        for name in ([alias.name for alias in node.names] if isinstance(node, ast.Import) else [getattr(node, "module", None)])
-        if isinstance(node, ast.Import | ast.ImportFrom)
-    }
-    assert imported & {"qt", "ctk"} == set()
-
-
-@pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)
-def test_a_file_of_the_module_stays_under_400_lines(path):
-    assert len(path.read_text("utf-8").splitlines()) < 400
-
-
-@pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)
-def test_texts_are_completed_after_their_translation(path):
-    calls = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Call)]
-    translated = [call for call in calls if isinstance(call.func, ast.Name) and call.func.id == "_"]
-    assert [call.lineno for call in translated if not all(isinstance(argument, ast.Constant) for argument in call.args)] == []
 
 
 @pytest.mark.parametrize("name", [name for name, widget in WIDGETS.items() if widget.get("class") not in PASSIVE])
@@ -152,22 +135,18 @@ def test_every_input_and_section_is_in_the_tab_order_from_top_to_bottom():
     assert [stop.text for stop in UI.iter("tabstop")] == stops
 
 
-def test_every_bound_widget_names_a_parameter():
+def test_a_bound_widget_names_a_parameter_that_no_other_one_has():
     tree = ast.parse((MODULE / "AIFReconGui" / "parameterNode.py").read_text("utf-8"))
     node = next(node for node in tree.body if isinstance(node, ast.ClassDef) and node.name == "AIFReconParameterNode")
     parameters = {*LABELS, *(field.target.id for field in node.body if isinstance(field, ast.AnnAssign))}
-    bound = [property_of(widget, "SlicerParameterName") for widget in WIDGETS.values()]
-    assert {name for name in bound if name} - parameters == set()
+    bound = [name for widget in WIDGETS.values() if (name := property_of(widget, "SlicerParameterName"))]
+    assert set(bound) - parameters == set()
+    assert len(bound) == len(set(bound))
 
 
 @pytest.mark.parametrize("name", [name for name in LABELS if f"{name}Label" in WIDGETS])
 def test_a_setting_is_called_as_the_library_calls_it(name):
     assert property_of(WIDGETS[f"{name}Label"], "text") == LABELS[name]
-
-
-def test_no_parameter_is_bound_twice():
-    bound = [name for widget in WIDGETS.values() if (name := property_of(widget, "SlicerParameterName"))]
-    assert len(bound) == len(set(bound))
 
 
 def test_every_option_that_a_message_of_the_library_names_has_a_name_in_the_panel_or_no_place_there():

@@ -10,6 +10,7 @@ import pytest
 from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+from host.mrml_scene import createScene  # noqa: E402
 from scene_host import class_counts, transform_node, warping_node  # noqa: E402
 
 from AIFReconLib.errors import OperationCanceled, SequenceFormatError, TransformError  # noqa: E402
@@ -93,22 +94,7 @@ def proxy(browser, name):
     return next(node for node in nodes if node.GetName() == wanted and browser.IsProxyNodeID(node.GetID()))
 
 
-def saved_and_loaded(scene, tmp_path, name="sweep.mrb"):
-    """The same scene after a trip through a file, in a scene of its own, which is Slicer's from then on."""
-    import slicer
-    from host.mrml_scene import createScene
-
-    assert scene.WriteToMRB(str(tmp_path / name))
-    other = slicer.mrmlScene = createScene()
-    assert other.ReadFromMRB(str(tmp_path / name), True)
-    return other
-
-
 # ---- there and back in memory
-
-
-def test_poses_come_back_to_the_last_digit(converted):
-    assert np.array_equal(sweep_poses(back(converted)).image_to_reference, sweep_poses(sweep()).image_to_reference, equal_nan=True)
 
 
 @pytest.mark.parametrize("dtype", [np.int8, np.int16, np.uint16, np.float32, np.float64])
@@ -172,28 +158,16 @@ def test_times_that_cannot_number_frames_are_kept_beside_frame_numbers(scene, ti
     assert [browser.GetMasterSequenceNode().GetNthIndexValue(n) for n in range(len(times))] == ["0", "1", "2"]
 
 
-def test_replaying_puts_the_image_where_its_pose_says(converted):
+def test_replaying_puts_the_image_where_its_pose_says_and_tells_a_frame_out_of_view(converted):
     converted.SetSelectedItemNumber(5)
     image = proxy(converted, "Image")
     assert np.allclose(world_matrix(image), sweep_poses(sweep()).image_to_reference[5], atol=1e-9)
     assert np.array_equal(slicer.util.arrayFromVolume(image)[0], sweep().images[5])
-
-
-def test_replaying_a_frame_out_of_view_says_so(converted):
     converted.SetSelectedItemNumber(3)
     assert proxy(converted, "ImageToReference").GetAttribute("TransformStatus") == "OUT_OF_VIEW"
 
 
-def test_canceling_leaves_the_scene_as_it_was(scene):
-    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
-
-    before = class_counts(scene)
-    with pytest.raises(OperationCanceled):
-        browserFromSequence(sweep(), "Sweep", lambda fraction, message: fraction < 0.5)
-    assert class_counts(scene) == before
-
-
-def test_a_frame_that_cannot_be_read_leaves_the_scene_as_it_was(scene):
+def test_a_cancel_and_a_frame_that_cannot_be_read_leave_the_scene_as_it_was(scene):
     from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     class Damaged(list):
@@ -203,6 +177,8 @@ def test_a_frame_that_cannot_be_read_leaves_the_scene_as_it_was(scene):
             raise SequenceFormatError("frame 0 cannot be read.")
 
     before = class_counts(scene)
+    with pytest.raises(OperationCanceled):
+        browserFromSequence(sweep(), "Sweep", lambda fraction, message: fraction < 0.5)
     with pytest.raises(SequenceFormatError):
         browserFromSequence(TrackedSequence(Damaged([0] * 3), sweep(3).records), "Sweep")
     assert class_counts(scene) == before
@@ -246,21 +222,15 @@ def test_a_transform_that_another_browser_replays_is_refused(scene, converted):
 # ---- saved scenes
 
 
-def test_a_saved_scene_gives_the_same_poses_to_the_last_digit(scene, converted, tmp_path):
-    other = saved_and_loaded(scene, tmp_path)
+def test_a_saved_scene_gives_the_same_poses_and_voxels_to_the_last_digit(scene, converted, tmp_path):
+    assert scene.WriteToMRB(str(tmp_path / "sweep.mrb"))
+    # A scene of its own, which is Slicer's from then on
+    other = slicer.mrmlScene = createScene()
     try:
-        found = sweep_poses(back(other.GetFirstNodeByName("Sweep")))
-        assert np.array_equal(found.image_to_reference, sweep_poses(sweep()).image_to_reference, equal_nan=True)
-    finally:
-        other.host.close()
-
-
-def test_a_saved_scene_gives_the_same_voxels(scene, converted, tmp_path):
-    other = saved_and_loaded(scene, tmp_path)
-    try:
-        settings = ReconstructionSettings(method="average")
-        after = reconstruct(back(other.GetFirstNodeByName("Sweep")), settings)
-        assert np.array_equal(reconstruct(sweep(), settings).intensity.array, after.intensity.array)
+        assert other.ReadFromMRB(str(tmp_path / "sweep.mrb"), True)
+        found, settings = back(other.GetFirstNodeByName("Sweep")), ReconstructionSettings(method="average")
+        assert np.array_equal(sweep_poses(found).image_to_reference, sweep_poses(sweep()).image_to_reference, equal_nan=True)
+        assert np.array_equal(reconstruct(sweep(), settings).intensity.array, reconstruct(found, settings).intensity.array)
     finally:
         other.host.close()
 

@@ -17,41 +17,23 @@ from AIFReconLib.evaluation.quantities import (  # noqa: E402
     BoneMetrics,
     SurfaceMetrics,
 )
-from AIFReconLib.recipe.recipe import ReconstructionSettings  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 SURFACE = SurfaceMetrics(812.3, 41.26, 2.3456, 0.871, np.nan, 0.1, 0.2345, 0.4567)
 METRICS = BoneMetrics(SURFACE, SURFACE, SURFACE, 3.21, 1.0, 4.444, 0.9, 0.1)
 
 
-@pytest.fixture
-def filled(scene):
+def test_the_table_has_the_columns_and_digits_of_the_command_line_and_can_be_filled_again(scene):
     from AIFReconScene.volumes.comparison import updateMetricsTable
 
     node = scene.AddNewNodeByClass("vtkMRMLTableNode", "Metrics")
     updateMetricsTable(node, {"average": METRICS, "weighted": METRICS})
-    return node
-
-
-def column(node, name):
-    return node.GetTable().GetColumnByName(name)
-
-
-def test_columns_are_those_of_the_command_line(filled):
-    names = [filled.GetTable().GetColumnName(index) for index in range(filled.GetNumberOfColumns())]
-    assert names == ["volume", *HEADINGS.values()]
-
-
-def test_numbers_are_numbers_with_the_digits_that_are_printed(filled):
-    assert isinstance(column(filled, "CNR"), vtk.vtkDoubleArray)
-    assert (column(filled, "CNR").GetValue(0), column(filled, "coverage").GetValue(1)) == (2.35, 0.457)
-
-
-def test_filling_again_replaces_what_was_there(filled):
-    from AIFReconScene.volumes.comparison import updateMetricsTable
-
-    updateMetricsTable(filled, {"aif": METRICS})
-    assert (filled.GetNumberOfRows(), filled.GetNumberOfColumns()) == (1, 1 + len(HEADINGS))
+    table = node.GetTable()
+    assert [table.GetColumnName(index) for index in range(node.GetNumberOfColumns())] == ["volume", *HEADINGS.values()]
+    assert isinstance(table.GetColumnByName("CNR"), vtk.vtkDoubleArray)
+    assert (table.GetColumnByName("CNR").GetValue(0), table.GetColumnByName("coverage").GetValue(1)) == (2.35, 0.457)
+    updateMetricsTable(node, {"aif": METRICS})
+    assert (node.GetNumberOfRows(), node.GetNumberOfColumns()) == (1, 1 + len(HEADINGS))
 
 
 # ---- the simulated patient
@@ -85,34 +67,23 @@ def patient(scene, quick):
     return loadPhantom(frames=9)
 
 
-def test_ct_and_segmentation_are_under_the_registration(patient):
-    assert patient.ct.GetParentTransformNode() is patient.ctToReference
-    assert patient.segmentation.GetParentTransformNode() is patient.ctToReference
-
-
-def test_the_patient_has_a_segment_per_vertebra(patient):
-    segmentation = patient.segmentation.GetSegmentation()
-    assert [segmentation.GetNthSegment(index).GetName() for index in range(3)] == ["L2", "L3", "L4"]
-
-
-def test_the_sweep_has_all_its_frames_in_place_and_knows_its_probe(patient):
+def test_the_simulated_patient_is_a_placed_sweep_with_a_ct_and_a_segment_on_each_vertebra_under_the_registration(patient):
+    from AIFReconScene.inputs.boneNodes import labelsFromNode
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
+    assert patient.ct.GetParentTransformNode() is patient.segmentation.GetParentTransformNode() is patient.ctToReference
+    segmentation = patient.segmentation.GetSegmentation()
+    assert [segmentation.GetNthSegment(index).GetName() for index in range(3)] == ["L2", "L3", "L4"]
     sequence = sequenceFromBrowser(patient.browser)
     assert len(sweep_poses(sequence).usable) == 9
     assert sequence.configuration.probe.kind == "sector"
-
-
-def test_segments_lie_on_the_bone_of_the_ct(patient):
-    from AIFReconScene.inputs.boneNodes import labelsFromNode
-
     labels = labelsFromNode(patient.segmentation)
     hounsfield = slicer.util.arrayFromVolume(patient.ct)
     assert labels.array.shape == hounsfield.shape
     assert hounsfield[labels.array > 0].mean() > hounsfield[labels.array == 0].mean() + 200
 
 
-@pytest.mark.parametrize("share", [0.5, 0.96, 0.97, 0.99])
+@pytest.mark.parametrize("share", [0.5, 0.97])
 def test_canceling_the_simulation_leaves_the_scene_as_it_was(scene, quick, share):
     from AIFReconScene.volumes.phantomSample import loadPhantom
 
@@ -120,23 +91,3 @@ def test_canceling_the_simulation_leaves_the_scene_as_it_was(scene, quick, share
     with pytest.raises(OperationCanceled):
         loadPhantom(lambda fraction, message: fraction < share, frames=9)
     assert class_counts(scene) == before
-
-
-def test_the_sweep_shows_bone_where_the_registered_ct_has_it(patient):
-    from AIFReconScene.inputs.boneNodes import labelsFromNode
-    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
-
-    from AIFReconLib import DisagreementWarning, evaluate, reconstruct
-
-    sequence = sequenceFromBrowser(patient.browser)
-    result = reconstruct(sequence, ReconstructionSettings(method="average", spacing=1.0))
-
-    def contrast():
-        labels = labelsFromNode(patient.segmentation)
-        return evaluate(result.intensity, labels, result.mask, sweep=sequence).bone.contrast
-
-    registered = contrast()
-    patient.segmentation.SetAndObserveTransformNodeID(None)
-    with pytest.warns(DisagreementWarning):
-        elsewhere = contrast()
-    assert registered > elsewhere + 5

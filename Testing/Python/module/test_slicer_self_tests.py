@@ -3,19 +3,11 @@
 from __future__ import annotations
 
 import ast
-import importlib.util
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
+from host_process import REPOSITORY, run_on_host
 
-REPOSITORY = Path(__file__).resolve().parents[3]
 FILES = ["AIFReconTest", *sorted(path.stem for path in (REPOSITORY / "Testing" / "Slicer").glob("*Test.py"))]
-LONGEST = 570
-"""s for one process: less than pytest gives a test, so that what it said is seen."""
-
 GROUPS = 4
 """Processes that the files are shared out to: each starts the application, for seconds."""
 
@@ -35,34 +27,9 @@ host.raise_slot_errors()
 """
 
 
-@pytest.fixture(scope="module", autouse=True)
-def host_packages():
-    for package, name in (("PySide6", "PySide6-Essentials"), ("slicer", "slicer-core")):
-        if importlib.util.find_spec(package) is None:
-            pytest.skip(f"{name} is not installed: pip install '.[test]'")
-
-
-def run(*arguments: str) -> subprocess.CompletedProcess:
-    """Python on these arguments in the repository; the test is skipped where the host cannot run at all."""
-    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
-    command = [sys.executable, *arguments]
-    with subprocess.Popen(command, cwd=REPOSITORY, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        try:
-            told, complained = (said.decode(errors="replace") for said in process.communicate(timeout=LONGEST))
-        except subprocess.TimeoutExpired as late:
-            # What is heard ends with the last of all processes that inherited it
-            who = "It" if process.poll() is None else "A process that it has started"
-            process.kill()
-            said = ((late.output or b"") + (late.stderr or b"")).decode(errors="replace")
-            pytest.fail(f"{who} goes on after {LONGEST} s: {said[-6000:]}")
-    if "cannot run here" in complained:
-        pytest.skip(complained.strip().splitlines()[-1])
-    return subprocess.CompletedProcess(command, process.returncode, told, complained)
-
-
 @pytest.mark.parametrize("group", range(GROUPS))
 def test_the_self_tests_pass(group):
-    done = run("Testing/host/run_self_tests.py", "-k", *(f"{file}." for file in FILES[group::GROUPS]))
+    done = run_on_host("Testing/host/run_self_tests.py", "-k", *(f"{file}." for file in FILES[group::GROUPS]))
     assert done.returncode == 0, (done.stdout + done.stderr)[-6000:]
 
 
@@ -75,6 +42,6 @@ def test_the_library_is_imported_when_a_self_test_runs_and_not_before():
 
 
 def test_sample_data_layouts_and_icon_are_there_where_the_module_is_loaded_while_slicer_runs():
-    done = run("-c", LOAD_LATER)
+    done = run_on_host("-c", LOAD_LATER)
     assert done.returncode == 0, done.stderr[-3000:]
     assert {"samples: 2", "layouts: True", "icon: True"} <= set(done.stdout.splitlines())

@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.util
-import os
-import subprocess
-import sys
 import time
 from pathlib import Path
 
-import pytest
-
-REPOSITORY = Path(__file__).resolve().parents[3]
+from host_process import run_on_host
 
 SCRIPT = """
 import sys
@@ -46,19 +40,8 @@ host.run()
 """
 
 
-@pytest.fixture(scope="module", autouse=True)
-def host_packages():
-    for package, name in (("PySide6", "PySide6-Essentials"), ("slicer", "slicer-core")):
-        if importlib.util.find_spec(package) is None:
-            pytest.skip(f"{name} is not installed: pip install '.[test]'")
-
-
 def test_nothing_that_computes_is_loaded_by_sample_reconstruction_and_comparison_and_the_worker_ends_with_the_application(tmp_path):
-    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
-    command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
-    done = subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", timeout=600)
-    if "cannot run here" in done.stderr:
-        pytest.skip(done.stderr.strip().splitlines()[-1])
+    done = run_on_host("-c", SCRIPT, tmp_path)
     said = dict(line.split(": ", 1) for line in done.stdout.splitlines() if ": " in line)
     assert said.get("errors") == "[] []", done.stdout + done.stderr
     assert said["loaded"] == "[]"

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from files import tracked_sequence, write_patient
+from study.method_cases import configured, simulated_scan
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.field import BoneField
@@ -29,10 +28,6 @@ from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import multi_angle_sweep, simulate_sweep
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
-from study.method_cases import configured, simulated_scan
 
 
 @pytest.fixture

@@ -9,12 +9,10 @@ from pathlib import Path
 
 import pytest
 from fuzz import __main__ as program
-from fuzz import targets
 from fuzz.damage import LARGEST, damaged
-from fuzz.targets import LONGEST_MESSAGE, TARGETS, Target, check
+from fuzz.targets import TARGETS, Target, check
 from hypothesis import HealthCheck, given, settings
 
-from AIFReconLib.errors import FileFormatError
 from AIFReconLib.io.sequence.files import KINDS
 
 
@@ -37,62 +35,12 @@ def test_every_kind_of_recording_is_fuzzed():
     assert all({Path(target.file).suffix for target in TARGETS.values()} & set(kind.suffixes) for kind in KINDS)
 
 
-# ---- the check can fail
-
-
 def planted(read) -> Target:
     return Target("planted", "input.bin", read, plain)
 
 
 def plain(folder):
     return [b"12 34\n"]
-
-
-class Unclean(FileFormatError):
-    """Says just what it is given, which errors of the library do not."""
-
-    def __init__(self, text):
-        super().__init__(text)
-        self.text = text
-
-    def __str__(self):
-        return self.text
-
-
-@pytest.mark.parametrize(
-    ("error", "found"),
-    [
-        (KeyError("size"), "size"),
-        (Unclean("two\nlines"), "not for one line"),
-        (Unclean("\x1b[2J"), "not for one line"),
-        (Unclean(""), "without words"),
-        (Unclean("long " * LONGEST_MESSAGE), "long"),
-    ],
-)
-def test_what_is_no_refusal_in_one_line_is_found(tmp_path, error, found):
-    def read(path):
-        raise error
-
-    with pytest.raises((KeyError, AssertionError), match=found):
-        check(planted(read), b"", tmp_path)
-
-
-def test_what_takes_too_long_is_found(tmp_path, monkeypatch):
-    monkeypatch.setattr(targets, "SLOWEST", 0.01)
-
-    def work(path):
-        end = time.process_time() + 0.05
-        while time.process_time() < end:
-            pass
-
-    with pytest.raises(AssertionError, match="it takes 0"):
-        check(planted(work), b"", tmp_path)
-
-
-def test_what_takes_too_much_memory_is_found(tmp_path, monkeypatch):
-    monkeypatch.setattr(targets, "LARGEST_GROWTH", -1)
-    with pytest.raises(AssertionError, match="MB"):
-        check(planted(lambda path: None), b"", tmp_path)
 
 
 # ---- and so can the program

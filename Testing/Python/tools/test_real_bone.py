@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-from AIFReconLib.evaluation.visibility import bone_truth
-from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.sweep.frames import TrackedSequence
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
 from study.real_bone import main
 from study.real_bone_angles import traced_echoes
 from study.real_bone_cases import RealBone
 from study.real_bone_measures import by_incidence, false_bone, precision
+
+from AIFReconLib.evaluation.visibility import bone_truth
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.sweep.frames import TrackedSequence
 
 GRID = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (24, 24, 40), 1.0)
 TOP = 20

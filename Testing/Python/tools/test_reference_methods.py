@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from study.reference_methods import LEAST, confidence_weighted_sector, incidence_weighted, largest_contrast, random_walk_confidence
 
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.simulation.phased_array import PhasedArray
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
-from study.reference_methods import LEAST, confidence_weighted_sector, incidence_weighted, largest_contrast, random_walk_confidence
 
 
 def test_confidence_falls_evenly_from_the_face_to_the_end_where_nothing_stops_sound():

@@ -5,15 +5,12 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from release import extension_index, notes
 
 REPOSITORY = Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(REPOSITORY / "Testing"))
-
-from release import extension_index, notes  # noqa: E402
 
 HOMEPAGE = "https://github.com/somebody/SlicerAIFRecon"
 PROJECT = (REPOSITORY / "pyproject.toml").read_text("utf-8")

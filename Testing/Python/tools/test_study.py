@@ -10,16 +10,9 @@ from datetime import date
 from pathlib import Path
 from types import SimpleNamespace
 
+import measured
 import numpy as np
 import pytest
-
-from AIFReconLib.errors import FileFormatError
-from AIFReconLib.evaluation.surface import distance_from_labels
-from AIFReconLib.geometry.volume import Volume, VoxelGrid
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-
-import measured
 from study import method_cases
 from study.__main__ import STUDIES
 from study.__main__ import main as start
@@ -30,7 +23,11 @@ from study.paths_cases import FIXED, LISTS, NONE, PLANNED
 from study.paths_cases import RIGHT as RIGHT_CT
 from study.paths_cases import Row as PathRow
 from study.paths_page import paths_page
-from study.patients import read_rows, run_study
+from study.patients import read_rows, run_tasks
+
+from AIFReconLib.errors import FileFormatError
+from AIFReconLib.evaluation.surface import distance_from_labels
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 TESTING = Path(__file__).resolve().parents[2]
 NAMES = [name for _, name, _ in COLUMNS]
@@ -86,7 +83,7 @@ def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
 def test_a_finished_study_is_read_and_not_run_again(tmp_path):
     rows = [row(0), row(0, "weighted", 2.0)]
     (tmp_path / "patient-000.json").write_text(json.dumps([asdict(r) for r in rows]))
-    assert run_study(patient_rows, Row, tmp_path, [0]) == rows
+    assert run_tasks(patient_rows, {"patient-000": 0}, Row, tmp_path) == rows
 
 
 def test_a_spoiled_result_is_named(tmp_path):
@@ -101,7 +98,7 @@ def rows_in_another_process(seed):
 
 
 def test_the_rows_of_every_patient_are_made_in_processes_of_their_own(tmp_path):
-    made = run_study(rows_in_another_process, Row, tmp_path, [3, 5])
+    made = run_tasks(rows_in_another_process, {"a": 3, "b": 5}, Row, tmp_path)
     assert [(each.seed, each.metrics[NAMES[0]]) for each in made] == [(3, 3.0), (5, 5.0)]
 
 

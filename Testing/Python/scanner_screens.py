@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import io
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from PIL import Image
 from scipy import ndimage
 
+from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.imaging.beams import LINEAR, SECTOR
+from AIFReconLib.imaging.detection import detect_imaging
 
 SIZES = ((480, 640), (576, 720), (600, 800))
 """(rows, columns)."""
@@ -20,6 +22,8 @@ KINDS = {"curved": 0.5, "linear": 0.2, "phased": 0.12, "virtual convex": 0.18}
 
 DECOYS = ("upside down", "round", "moving picture", "sides covered")
 """What shows no probe that could be told."""
+
+RIGHT, REFUSED, WRONG = "right", "refused", "wrong"
 
 LINES, SAMPLES = 160, 320
 """Of the image before scan conversion."""
@@ -36,7 +40,6 @@ class Screen:
     lit: np.ndarray  #: (rows, columns) bool. Where any frame shows ultrasound
     apex: tuple[float, float] | None = None  #: (column, row)
     angles: tuple[float, float] = (0.0, 0.0)  #: degrees
-    features: list[str] = field(default_factory=list)
 
     @property
     def probe(self) -> str:
@@ -101,9 +104,7 @@ def _probe_image(rng: np.random.Generator, kind: str) -> Screen:
     # Where the middle of the transducer's face is
     column = columns / 2 + rng.uniform(-0.08, 0.08) * columns
     row = rng.uniform(0.02, 0.12) * rows
-    features = []
     if rng.random() < 0.3:
-        features.append("cut")
         how = rng.integers(4)
         if how == 0:
             row += rows - (row + depth / sy) + rng.uniform(0.02, 0.15) * rows  # the bottom is cut off
@@ -132,7 +133,7 @@ def _probe_image(rng: np.random.Generator, kind: str) -> Screen:
             sample = (radius - first) / depth
         line = angle / (2 * half) + 0.5
     frames = int(rng.integers(14, 30))
-    polar = _beams(rng, frames, features)
+    polar = _beams(rng, frames)
     background = int(rng.integers(8, 50)) if rng.random() < 0.3 else 0
     images = np.full((frames, rows, columns), background, np.uint8)
     where = np.nonzero(inside)
@@ -143,20 +144,18 @@ def _probe_image(rng: np.random.Generator, kind: str) -> Screen:
         next_line = beams[corner + SAMPLES] * (1 - dj) + beams[corner + SAMPLES + 1] * dj
         image[where] = near * (1 - di) + next_line * di
     lit = inside & (images.max(axis=0).astype(int) - images.min(axis=0) > 12)
-    return Screen(kind, images, (sx, sy), inside, lit, apex, (-half, half) if apex else (0.0, 0.0), features)
+    return Screen(kind, images, (sx, sy), inside, lit, apex, (-half, half) if apex else (0.0, 0.0))
 
 
-def _beams(rng: np.random.Generator, frames: int, features: list[str]) -> np.ndarray:
+def _beams(rng: np.random.Generator, frames: int) -> np.ndarray:
     """(frames, lines, samples) gray levels of speckle with layers, bone with its shadow, and darkness."""
     line, sample = np.linspace(0, 1, LINES)[:, None], np.linspace(0, 1, SAMPLES)[None, :]
     gain = -rng.uniform(0, 30) * sample**2 + np.zeros((LINES, 1))
     ringing = rng.random() < 0.7
     if rng.random() < 0.5:
-        features.append("dark near field")
         gain -= 70 / (1 + np.exp((sample - rng.uniform(0.05, 0.25)) / 0.02))
     dark = None
     if rng.random() < 0.35:
-        features.append("dark side")
         share, side = rng.uniform(0.1, 0.4), line if rng.random() < 0.5 else 1 - line
         dark = 70 / (1 + np.exp((side - share) / rng.uniform(0.01, 0.05)))
     lifted = rng.random() < 0.4
@@ -210,12 +209,10 @@ def _overlay(rng: np.random.Generator, made: Screen) -> None:
             images[number, y : y + 10, x : x + 60] = 0
             _text(rng, images[number : number + 1], x, y, white, 6, 1)
     if rng.random() < 0.15 and bottom < rows - 30:
-        made.features.append("trace")
         for number in range(frames):  # an ECG that runs along the bottom
             trace = rows - 16 + 8 * np.sin(np.arange(columns) / 7 + number)
             images[number, trace.astype(int), np.arange(columns)] = images[number, trace.astype(int) + 1, np.arange(columns)] = white
     if rng.random() < 0.1:
-        made.features.append("pointer")
         for number in range(frames):
             x, y = int(rng.integers(columns - 12)), int(rng.integers(rows - 14))
             images[number, y : y + 12, x : x + 7] = 255
@@ -232,8 +229,6 @@ def _panel(rng: np.random.Generator, made: Screen, left: int, right: int, white:
         near, far = 0, max(left - 6 + (int(0.06 * (right - left)) if over else 0), 4)
     else:
         near, far = min(right + 6 - (int(0.06 * (right - left)) if over else 0), columns - 4), columns
-    if over:
-        made.features.append("panel over the image")
     images[:, :, near:far] = rng.integers(25, 90)
     for y in range(20, images.shape[1] - 40, 60):
         images[:, y : y + 36, near + 3 : far - 3] = rng.integers(90, 160)
@@ -253,13 +248,27 @@ def _compress(rng: np.random.Generator, made: Screen) -> None:
     """What a frame grabber or a video does to the picture."""
     how = rng.random()
     if how < 0.25:
-        made.features.append("noise")
         noise = rng.uniform(0.5, 2.0) * rng.standard_normal(made.images.shape)
         made.images = np.clip(np.rint(made.images + noise), 0, 255).astype(np.uint8)
-    elif how < 0.5:
-        made.features.append("JPEG")
+    elif how < 0.5:  # JPEG
         quality = int(rng.integers(60, 95))
         for number, image in enumerate(made.images):
             file = io.BytesIO()
             Image.fromarray(image).save(file, "JPEG", quality=quality)
             made.images[number] = np.asarray(Image.open(file))
+
+
+def answer(made: Screen) -> str:
+    """Whether a screen is told rightly, refused or told wrongly: the apex within 0.5 mm, the sides within 1 degree, most of it kept."""
+    try:
+        found = detect_imaging(made.images, made.spacing)
+    except BeamGeometryError:
+        return REFUSED
+    kept = found.region.mask(*made.inside.shape[::-1])
+    whole = (made.lit & kept).sum() >= 0.85 * made.lit.sum() and (kept & ~made.inside).sum() <= 0.04 * kept.sum()
+    right = found.probe.kind == made.probe and bool(whole)
+    if found.probe.kind == made.probe and made.apex is not None:
+        assert found.region.fan is not None
+        apex = float(np.hypot(*(np.subtract(found.probe.apex, made.apex) * made.spacing)))
+        right &= apex <= 0.5 and float(np.abs(np.subtract(found.region.fan.angles_deg, made.angles)).max()) <= 1.0
+    return RIGHT if right else WRONG
