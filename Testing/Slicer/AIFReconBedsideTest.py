@@ -135,7 +135,12 @@ class AIFReconBedsideTest(unittest.TestCase):
             )
             slicer.mrmlScene.Clear()
             self.parameters = self.widget._parameterNode
-            said = [self.widget.logic.openFiles(self.parameters, [path]) for path in paths]
+            said = []
+            self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
+            for path in paths:
+                self.widget._recorded._ask = lambda path=path: [path]
+                self.ui.openButton.click()
+                said.append(self.ui.statusLabel.text.splitlines()[0])
         self.assertEqual(said[0], "Opened place.tfm. place is taken for the place of the CT that is opened next.")
         self.assertEqual(said[1], "Opened CT.nrrd. The CT lies where place says.")
         self.assertEqual(said[3], "Opened calibration.xml. The recording was read again with this calibration.")

@@ -5,7 +5,7 @@ import slicer
 from AIFReconLib.progress import part, report
 
 from ..inputs.readiness import chooseDefaults
-from ..volumes.opening import openedTogether, openFiles
+from ..volumes.opening import openedTogether, openFiles, replaceSweep
 from . import sliceDisplay, threeDViews
 
 
@@ -24,10 +24,12 @@ def showInputs(browserNode=None, ctNode=None) -> None:
 def openAndShow(parameters, paths, loadRecording, progress=None) -> str:
     """Read files and choose what they hold, as `openFiles`, and show it, with the surface of bone that 3D views draw."""
     with openedTogether(parameters):
-        done = openFiles(parameters, paths, loadRecording, part(progress, 0.0, 0.9))
+        done, before = openFiles(parameters, paths, loadRecording, part(progress, 0.0, 0.9))
         chooseDefaults(parameters)
         if parameters.bone is not None and parameters.bone.IsA("vtkMRMLSegmentationNode"):
             threeDViews.makeSurface(parameters.bone, part(progress, 0.9, 1.0))
         report(progress, 1.0, done)
+    if before is not None:
+        replaceSweep(before, parameters.sweep)
     showInputs(parameters.sweep, parameters.ctVolume)
     return done

@@ -33,10 +33,11 @@ CHOSEN = (
 """Parameters that follow what is opened."""
 
 
-def openFiles(parameters, paths, loadRecording, progress=None) -> str:
-    """Read files and choose what they hold; returns what was done. Where one cannot be read, or after a cancel, all is as before.
+def openFiles(parameters, paths, loadRecording, progress=None) -> tuple:
+    """Read files and choose what they hold; returns what was done, and the sweep that was read anew, or None: see `replaceSweep`.
 
-    ``loadRecording(parameters, progress)`` reads the recording that the parameters name.
+    Where one cannot be read, or after a cancel, all is as before. ``loadRecording(parameters, progress)`` reads the recording that the
+    parameters name.
     """
     kinds = [(inWorker(kind_of, path), path) for path in paths]
     before = parameters.sweep if isReadAnew(parameters, [kind for kind, _path in kinds]) else None
@@ -61,11 +62,15 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
         lies = _placeCT(parameters)
     done = [_("Opened {names}.").format(names=", ".join(path.name for path in paths)), *lies]
     if before is not None:
-        name = before.GetName()
-        removeNodes([*sequencesOf(before), *proxiesOf(before), before])
-        parameters.sweep.SetName(name)
         done.append(_("The recording was read again with this calibration."))
-    return " ".join(done)
+    return " ".join(done), before
+
+
+def replaceSweep(before, sweep) -> None:
+    """Remove a sweep in whose place another has come, which takes its name. After that nothing can be as before: do it last."""
+    name = before.GetName()
+    removeNodes([*sequencesOf(before), *proxiesOf(before), before])
+    sweep.SetName(name)
 
 
 def isReadAnew(parameters, kinds) -> bool:
