@@ -116,10 +116,6 @@ def test_bone_that_lies_elsewhere_is_refused(case, tmp_path, capsys):
     assert "no bone surface lies" in refusal([str(a) for a in arguments], capsys)
 
 
-def test_the_csv_never_overwrites_an_input(case, capsys):
-    assert "would overwrite an input" in refusal(command(case, "shell", extra=["--csv", case.labels]), capsys)
-
-
 def test_the_report_holds_the_volumes_and_where_they_come_from(case, tmp_path, capsys):
     page = tmp_path / "report.html"
     assert main(command(case, "shell", "noise", extra=["--report", page])) == 0
@@ -175,15 +171,6 @@ def test_of_few_cases_no_interval_is_told(tmp_path, capsys):
     assert "[+" not in said
 
 
-@pytest.mark.parametrize("more", [["shell.nrrd"], ["--report", "x.html"]])
-def test_what_does_not_go_with_tables_is_refused(tmp_path, capsys, more):
-    assert "hold numbers of many cases" in refusal(["evaluate", *of_cases(tmp_path, 2), *more], capsys)
-
-
-def test_tables_of_one_case_are_refused(tmp_path, capsys):
-    assert "hold one case" in refusal(["evaluate", *of_cases(tmp_path, 1)], capsys)
-
-
 def test_a_volume_that_its_yardstick_weighted_is_told(case, tmp_path, capsys):
     inputs = f'[{{"name": "{case.labels.name}", "bytes": {case.labels.stat().st_size}}}]'
     for name, method in (("shell", "weighted"), ("noise", "average")):
@@ -214,10 +201,3 @@ def test_files_of_another_patient_and_a_place_that_is_left_out_are_told(case, tm
     named(case.labels, size + 1, case.transform)
     assert main(placed) == 0
     assert f"WARNING: made.nrrd was made from another {case.labels.name} than is given." in capsys.readouterr().out
-
-
-def test_a_file_of_another_kind_is_not_written_over(case, tmp_path, capsys):
-    ct = tmp_path / "ct.nrrd"
-    ct.write_bytes(b"a CT")
-    assert "Choose a name that ends with .csv" in refusal(command(case, "shell", extra=["--csv", ct]), capsys)
-    assert ct.read_bytes() == b"a CT"

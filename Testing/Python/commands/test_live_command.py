@@ -159,19 +159,6 @@ def test_images_whose_pose_nothing_confirms_are_explained(live, results, capsys)
     assert "--trust-image-pose" in error
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--bone-frames", "said.mha"], "--bone-frames belongs to a recorded sweep"),
-        (["--bone-image", "Bone", "--bone-from-sweep"], "not allowed with argument"),
-        (["--bone-image", "Bone", "--image", "Bone"], "two devices; got 'Bone' for both"),
-        (["--bone-image", "Bone", "--bone-transform", "T.tfm"], "--bone-image needs none"),
-    ],
-)
-def test_sources_of_bone_that_do_not_go_together_are_refused(serve, live, results, capsys, options, words):
-    assert words in refused(live(serve(), *options, "--output", results / "v.nrrd"), capsys, results)
-
-
 def test_a_scan_that_looks_for_bone_says_how_all_frames_are_weighted_by_all_of_it(serve, live, results, capsys):
     record, looking = results / "scan.mha", ["--bone-from-sweep", "--method", "weighted", "--probe", "linear"]
     arguments = live(serve(loop=True), "--frames", "10", *looking, "--output", results / "v.nrrd", "--record", record)

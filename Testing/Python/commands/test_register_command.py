@@ -294,19 +294,6 @@ def test_info_gives_the_way_from_a_ct_that_is_not_registered_to_the_volume(patie
     assert any(line.startswith("Calibration: agrees with this sweep within 0.") for line in plan["bone"])
 
 
-def test_what_does_not_go_together_is_said(patient, tmp_path, capsys):
-    for options, words in (
-        (("--bone-labels", patient.labels, "--bone-above", "300"), "--bone-above says what is bone in a CT"),
-        (("--labels", "L3"), "--labels chooses among labels, and there are none"),
-        (("--bone-labels", patient.labels, "--labels", "L9"), "No label is called 'L9'. There are 1"),
-        (("--bone-labels", patient.ct), "labels must not be negative; got -10"),
-    ):
-        options = options if "--bone-labels" in options else (*options, "--bone-from-sweep")
-        arguments = [patient.sequence, "--config", patient.configuration, *options, "--output", tmp_path / "volume.nrrd"]
-        assert main(["reconstruct", *map(str, arguments)]) == 2
-        assert words in capsys.readouterr().err
-
-
 def test_in_python_labels_are_given_as_they_are_and_the_same_is_made(patient, exact):
     sequence = read_sequence(patient.sequence, patient.configuration)
     bone = LabeledBone(read_labels(patient.labels), read_transform(patient.ct_to_reference))

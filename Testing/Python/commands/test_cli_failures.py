@@ -13,26 +13,13 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 from files import refused, tracked_sequence, write_patient
-from sweeps import rigid
 from waiting import until
 
 from AIFReconLib.commands import reconstruct as reconstruct_command
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.sweep.frames import FrameRecord
-
-
-def test_a_grid_that_the_sweep_misses_is_refused(patient, results, capsys, tmp_path):
-    Volume(np.zeros((4, 4, 4), np.uint8), rigid(translation=(900, 0, 0))).write(tmp_path / "far.nrrd")
-    arguments = [*patient.reconstruct, "--grid-like", tmp_path / "far.nrrd", "--output", results / "v.nrrd"]
-    assert "no frame falls into the volume" in refused(arguments, capsys, results)
-
-
-@pytest.mark.parametrize("option", ["--bone-model", "--config", "--bone-labels", "--save-settings", "--output"])
-def test_an_empty_name_is_refused(patient, results, capsys, option):
-    assert "must be the name of a file" in refused([*patient.reconstruct, "--output", results / "v.nrrd", option, ""], capsys, results)
 
 
 @pytest.mark.parametrize(
@@ -58,15 +45,6 @@ def test_one_impossible_pose_costs_one_frame(tmp_path, results, capsys):
     assert "5 of 6 frames" in capsys.readouterr().out
 
 
-def test_a_method_that_needs_bone_says_how_to_give_it(patient, results, capsys):
-    line = refused([*patient.reconstruct, "--method", "aif", "--output", results / "v.nrrd"], capsys, results)
-    assert "needs to know where bone is" in line
-
-
-def test_an_output_folder_that_is_not_there_is_refused_before_work(patient, results, capsys):
-    assert "does not exist" in refused([*patient.reconstruct, "--output", results / "no" / "v.nrrd"], capsys, results)
-
-
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="permissions do not bind this user")
 def test_a_read_only_folder_is_refused(patient, results, capsys):
     results.chmod(0o500)
@@ -77,11 +55,6 @@ def test_a_read_only_folder_is_refused(patient, results, capsys):
 def test_simulated_files_replace_none_that_were_not_simulated(command, name, tmp_path, results, capsys):
     (tmp_path / name).write_text("real", encoding="utf-8")
     assert f"it holds {name}, which was not simulated" in refused([command, "--output", tmp_path], capsys, results)
-
-
-def test_two_outputs_must_have_two_names(patient, results, capsys):
-    line = refused([*patient.reconstruct, "--output", results / "v.nrrd", "--hits", results / "v.nrrd"], capsys, results)
-    assert "another output" in line
 
 
 def test_a_full_disk_leaves_no_file(patient, results, capsys, monkeypatch):
@@ -104,59 +77,6 @@ def test_a_write_that_stops_halfway_leaves_no_file(patient, results):
     assert done.returncode == 2, done.stderr
     assert done.stderr.count("\n") == 1, done.stderr
     assert list(results.iterdir()) == []
-
-
-def test_a_volume_too_large_for_memory_names_a_spacing_that_fits(patient, results, capsys):
-    line = refused([*patient.reconstruct, "--spacing", "0.1", "--memory", "0.0001", "--output", results / "v.nrrd"], capsys, results)
-    assert "would fit" in line
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        ["--alpha", "-1"],
-        ["--alpha", "nan"],
-        ["--spacing", "0"],
-        ["--spacing", "1", "2"],
-        ["--hole-limit", "x"],
-        ["--skip", "0"],
-        ["--method", "best"],
-        ["--clip-px", "0", "0", "-5", "4"],
-        ["--clip-px", "100", "100", "5", "5"],
-        ["--fan-angles-deg", "-10", "10"],
-        ["--probe", "linear", "--apex-px", "1", "2"],
-        ["--probe", "sector"],
-        ["--reference", "Nowhere"],
-        ["--image-to-reference", "Nonsense"],
-        ["--bone-transform", "missing.tfm"],
-        ["--bone-labels", "missing.nrrd"],
-        ["--grid-like", "missing.nrrd"],
-        ["--cosine", "c.nrrd"],
-        ["--engine", "abacus"],
-    ],
-    ids=" ".join,
-)
-def test_wrong_options_are_one_line(options, patient, results, capsys):
-    refused([*patient.reconstruct, *options, "--output", results / "v.nrrd"], capsys, results)
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--ouput", "v.nrrd"], "there is no option --ouput, perhaps --output is meant"),
-        (["--spacin=2", "--output", "v.nrrd", "--hole-limt", "2"], "there is no option --hole-limt, perhaps --hole-limit is meant"),
-        (["--out", "v.nrrd"], "there is no option --out, perhaps --output or --output-type is meant"),
-        (["-output", "v.nrrd"], "there is no option -output, perhaps --output is meant"),
-        (["--spacing", "1", "2", "--output", "v.nrrd"], "--spacing: takes one number or three (x y z), got 2"),
-        (["--quiet", "--verbose", "--output", "v.nrrd"], "not allowed with"),
-        (["--qwxz", "--output", "v.nrrd"], "there is no option --qwxz. See"),
-        (["--spacing", "0,5", "--output", "v.nrrd"], "--spacing: must be a number such as 0.5, without a unit; got '0,5'"),
-        (["--skip", "1.5", "--output", "v.nrrd"], "--skip: must be a whole number; got '1.5'"),
-    ],
-    ids=lambda value: value[0] if isinstance(value, list) else "",
-)
-def test_a_slip_of_the_keyboard_is_named(options, said, patient, results, capsys):
-    assert said in refused([*patient.reconstruct, *options], capsys, results)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C cannot be sent to a child without a console")
@@ -242,26 +162,6 @@ def test_an_output_never_overwrites_what_is_read(case, tmp_path, results, capsys
     before = {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
     assert "would overwrite an input" in refused(words, capsys, results)
     assert {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()} == before
-
-
-DEEP = "[" * 100_000 + "]" * 100_000
-OBJECT = "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 99999999999999999999999\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "words", "says"),
-    [
-        (DEEP, ["simulate", "--output", "{results}/x", "--plan"], "it is nested too deeply"),
-        (DEEP, ["plan", "--bone-labels", "{labels}", "--output", "{results}/p.json", "--unseen"], "it is nested too deeply"),
-        (OBJECT, ["bone-map", "--output", "{results}/p.nrrd"], "it cannot be read as a surface model"),
-    ],
-    ids=["plan", "unseen", "model"],
-)
-def test_damaged_files_are_one_sentence(text, words, says, patient, results, tmp_path, capsys):
-    path = tmp_path / ("damaged.obj" if text is OBJECT else "damaged.json")
-    path.write_text(text)
-    words = [word.format(results=results, labels=patient.labels) for word in words]
-    assert says in refused([*words, path], capsys, results)
 
 
 def test_a_warning_of_numpy_is_for_the_log(patient, results, capsys, tmp_path, monkeypatch):

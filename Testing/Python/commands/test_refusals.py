@@ -1,0 +1,169 @@
+"""What each command refuses: exit code 2, one line that says what is wrong, and nothing written."""
+
+from __future__ import annotations
+
+import shlex
+
+import numpy as np
+import pytest
+from files import refused
+from sweeps import rigid
+
+from AIFReconLib.geometry.volume import Volume
+
+RECONSTRUCT = "reconstruct sweep.igs.mha --config PlusDeviceSet.xml"
+LIVE = "live --port 9 -o out/v.nrrd"
+START = "start-calibration --depth 60 40 440 --face-px 320 38 --face-mm 4 0 -118 --right x --down=-z"
+MADE = f"{RECONSTRUCT} -o out/v.nrrd"
+
+REFUSED = {
+    # ---- words
+    "reconstuct sweep.igs.mha": "there is no command reconstuct, perhaps reconstruct is meant",
+    "zzz": "there is no command zzz.",
+    f"{RECONSTRUCT} --ouput v.nrrd": "there is no option --ouput, perhaps --output is meant",
+    f"{MADE} --spacin=2 --hole-limt 2": "there is no option --hole-limt, perhaps --hole-limit is meant",
+    f"{RECONSTRUCT} --out v.nrrd": "there is no option --out, perhaps --output or --output-type is meant",
+    f"{RECONSTRUCT} -output v.nrrd": "there is no option -output, perhaps --output is meant",
+    f"{MADE} --qwxz": "there is no option --qwxz. See",
+    f"{MADE} --quiet --verbose": "argument --verbose: not allowed with argument -q/--quiet",
+    f"{MADE} --quiet=yes": "takes no value",
+    f"{MADE} --spacing": "argument --spacing: takes MM",
+    f"{MADE} --spacing 1 2": "--spacing: takes one number or three (x y z), got 2",
+    f"{MADE} --spacing 0,5": "--spacing: must be a number such as 0.5, without a unit; got '0,5'",
+    f"{MADE} --skip 1.5": "--skip: must be a whole number; got '1.5'",
+    f"{MADE} --memory 5B": "such as 1.5GB; got '5B'",
+    f"{MADE} --engine nump": "must be one of auto, numpy, numba; got 'nump', perhaps numpy is meant",
+    RECONSTRUCT: "the following arguments are required: -o/--output. See aifrecon reconstruct --help.",
+    "bone-map labels.nrrd b.nrrd -o out/p.nrrd": "unrecognized arguments: b.nrrd",
+    f"{RECONSTRUCT} -o ''": "must be the name of a file",
+    **{f"{MADE} {each} ''": "must be the name of a file" for each in ("--bone-model", "--config", "--bone-labels", "--save-settings")},
+    # ---- settings
+    f"{MADE} --alpha -1": "Input alpha must be at least 0; got -1.0.",
+    f"{MADE} --alpha nan": "Input alpha must be a finite number; got nan.",
+    f"{MADE} --spacing 0": "Input spacing must be at least 0.01 mm; got 0.0.",
+    f"{MADE} --hole-limit x": "--hole-limit: must be auto or a number such as 0.5",
+    f"{MADE} --skip 0": "Input skip must be at least 1; got 0.",
+    f"{MADE} --method best": "method must be one of average, latest",
+    f"{MADE} --method aif": "needs to know where bone is",
+    f"{MADE} --clip-px 0 0 -5 4": "clip rectangle must be X Y W H with W, H not negative",
+    f"{MADE} --clip-px 100 100 5 5": "The clip rectangle and fan leave no pixel of a 40 x 30 image.",
+    f"{MADE} --fan-angles-deg -10 10": "Give both --fan-angles-deg A B and --fan-radius-px R0 R1.",
+    f"{MADE} --probe linear --apex-px 1 2": "A linear probe has no apex",
+    f"{MADE} --probe sector": "show a linear probe, not a sector",
+    f"{MADE} --reference Nowhere": "Nothing says where Image lies in Nowhere.",
+    f"{MADE} --image-to-reference Nonsense": "must be FromToTo",
+    f"{MADE} --cosine out/c.nrrd": "The cosine of incidence needs to know where bone is.",
+    f"{MADE} --spacing 0.1 --memory 0.0001": "would fit",
+    f"{MADE} --settings s.json": "s.json: there is no setting alhpa, perhaps alpha is meant.",
+    f"{MADE} --settings far.nrrd": "far.nrrd: this volume does not say how it was made. Give one that AIFRecon wrote",
+    f"{MADE} --save-settings s.txt": "settings are written as .json or .toml",
+    # ---- bone
+    f"{MADE} --bone-labels labels.nrrd --bone-above 300": "--bone-above says what is bone in a CT",
+    f"{MADE} --bone-from-sweep --labels L3": "--labels chooses among labels, and there are none",
+    f"{MADE} --bone-labels labels.nrrd --labels L9": "No label is called 'L9'. There are 1",
+    f"{MADE} --bone-labels ct.nrrd": "labels must not be negative; got -10",
+    f"{LIVE} --bone-frames said.mha": "--bone-frames belongs to a recorded sweep",
+    f"{LIVE} --bone-image Bone --bone-from-sweep": "not allowed with argument --bone-image",
+    f"{LIVE} --bone-image Bone --image Bone": "two devices; got 'Bone' for both",
+    f"{LIVE} --bone-image Bone --bone-transform T.tfm": "--bone-image needs none",
+    "preview missing.nrrd -o v.png --bone-transform t.tfm": "--bone-transform places labels or a CT",
+    # ---- files
+    f"{MADE} --bone-transform missing.tfm": "--bone-transform places a bone input, and there is none",
+    f"{MADE} --bone-labels missing.nrrd": "there is no such file",
+    f"{MADE} --grid-like missing.nrrd": "there is no such file",
+    f"{MADE} --grid-like far.nrrd": "no frame falls into the volume",
+    f"{RECONSTRUCT} -o out/no/v.nrrd": "does not exist",
+    f"{MADE} --save-settings out/none/s.json": "does not exist",
+    f"{MADE} --hits out/v.nrrd": "another output",
+    f"{MADE} --dicom-study labels.nrrd": "--dicom-study is for an output that ends with .dcm",
+    "evaluate far.nrrd --bone labels.nrrd --csv labels.nrrd": "would overwrite an input",
+    "evaluate far.nrrd --bone labels.nrrd --csv ct.nrrd": "Choose a name that ends with .csv",
+    "info sweep.igs.mha --drawing sweep.igs.mha": "would overwrite",
+    "info sweep.igs.mha sweep.igs.mha --drawing out/s.svg": "--drawing shows one sequence",
+    "preview missing.nrrd -o v.jpg": "a preview is a PNG picture",
+    "preview missing.nrrd -o none/v.png": "none",
+    "compare far.nrrd ct.nrrd -o v.jpg": "a figure is a PNG, PDF or SVG",
+    "compare far.nrrd ct.nrrd -o far.nrrd": "would overwrite an input",
+    "simulate --plan deep.json -o out/x": "it is nested too deeply",
+    "plan --bone-labels labels.nrrd -o out/p.json --unseen deep.json": "it is nested too deeply",
+    "bone-map damaged.obj -o out/p.nrrd": "it cannot be read as a surface model",
+    "calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels labels.nrrd -o new.nii": "must end in .xml or .tfm",
+    "calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels labels.nrrd -o no/New.xml": "does not exist. Create it",
+    "calibrate sweep.igs.mha --bone-labels labels.nrrd -o out/New.xml": "Give it with --config",
+    # ---- what one command takes
+    "compare far.nrrd ct.nrrd --names one -o out/v.png": "--names must be 2 different names",
+    "compare far.nrrd ct.nrrd --names one one -o out/v.png": "--names must be 2 different names",
+    "compare far.nrrd ct.nrrd --window 9 3 -o out/v.png": "--window must be BLACK and WHITE",
+    "compare far.nrrd ct.nrrd --at 9 0 0 -o out/v.png": "the cuts do not go through it. It fills",
+    "benchmark --rate 0": "--rate: must be a number above 0",
+    "benchmark --rate nan": "--rate: must be a number above 0",
+    "benchmark --spacing -1": "--spacing: must be a number above 0",
+    "benchmark --size 0 480": "--size must be 16 to",
+    "benchmark --frames 1": "at least 2 --frames",
+    f"{START} -o p.xml --right z": "two different axes",
+    f"{START} -o p.xml --right 0,0.2,1": "two different axes",
+    f"{START} -o p.xml --right 0,0,0": "right must be an axis of the marker",
+    f"{START} -o p.xml --right up": "right must be an axis of the marker",
+    f"{START} -o p.xml --depth 60 440 40": "--depth must be mm, the row where they begin",
+    f"{START} -o p.xml --depth 0 4 40": "a size above 0 mm",
+    f"{START} -o p.xml --face-mm nan 0 0": "finite",
+    f"{START} -o p.xml --tool 'my probe'": "--tool must be letters",
+    f"{START} -o p.tfm": "ends with .xml",
+    "evaluate one.csv far.nrrd": "hold numbers of many cases",
+    "evaluate one.csv --report out/x.html": "hold numbers of many cases",
+    "evaluate one.csv": "hold one case",
+    "batch cases.csv -o out --workers 0": "a whole number of 1 or more",
+    "batch cases.csv -o out --memory -1": "must be a positive size such as 1.5GB",
+    "batch cases.csv -o made --memory 0.5": "must be at least 0.75 GB",
+    "batch cases.csv -o out --scheduler tcp://h:1 --workers 2": "a cluster has its own",
+    "batch cases.csv -o out --method nowhere:mine": "there is no module nowhere",
+    **{
+        f"convert sweep.igs.mha out/s.mha {options}": said
+        for options, said in {
+            "--frames 2 9": "frames must be two numbers from 0 to 5, rising; got 2 9",
+            "--frames 4 2": "rising; got 4 2",
+            "--every 0": "every must be 1 or more; got 0",
+            "--crop 0 0 10 10": "cropping moves the first pixel",
+            "--crop 35 0 10 10": "within the image of 40 x 30 pixels; got X 35, Y 0, W 10, H 10",
+            "--rename Probe": "rename: must be A=B",
+            "--rename Robe=Needle": "must name a frame of the recording; it has Probe, Reference, Tracker",
+            "--rename RobeToTracker=NeedleToTracker": "a transform of the recording; it has ProbeToTracker, ReferenceToTracker",
+            "--rename ProbeToTracker=Needle": "two transforms",
+            "--rename Probe=Reference": "there would be two of ReferenceToTracker",
+            "--rename ProbeToTracker=TrackerToReference": "there would be two",
+            "--orientation FM": "orientation must be MF, MN, UF or UN; got 'FM'",
+            "--wrong-calibration x.xml": "Say with --calibration",
+            "--calibration missing.txt": "no such file",
+            "--transform-sequence t.seq.mha": "must be NAME=FILE",
+            "--transform-sequence Transform=t.seq.mha": "one 'To' before an upper-case letter",
+        }.items()
+    },
+}
+"""Words of a command line, and what is said of them."""
+
+
+@pytest.fixture
+def folder(patient, monkeypatch):
+    """The patient's files, others that cannot be used, and an empty folder for what comes of it; the current folder."""
+    here = patient.sweep.parent
+    monkeypatch.chdir(here)
+    (here / "out").mkdir()
+    Volume(np.zeros((4, 4, 4), np.uint8), rigid(translation=(900, 0, 0))).write("far.nrrd")
+    Volume(np.full((4, 4, 4), -10, np.int16), np.eye(4)).write("ct.nrrd")
+    for name, text in {
+        "deep.json": "[" * 100_000 + "]" * 100_000,
+        "damaged.obj": "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 99999999999999999999999\n",
+        "s.json": '{"alhpa": 1}',
+        "one.csv": "volume,reachability,bone_cnr\naverage.nrrd,sweep,0.5\n",
+        "cases.csv": "case,sweeps,config,spacing,preview\nP1,sweep.igs.mha,PlusDeviceSet.xml,1,no\n",
+    }.items():
+        (here / name).write_text(text, "utf-8")
+    return here
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_cannot_be_is_refused_in_one_line_and_nothing_is_written(words, folder, capsys):
+    before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    line = refused(shlex.split(words), capsys, folder / "out")
+    assert REFUSED[words] in line
+    assert {path: path.read_bytes() for path in folder.iterdir() if path.is_file()} == before
