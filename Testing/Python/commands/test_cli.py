@@ -72,16 +72,6 @@ def test_grid_like_uses_the_voxels_of_a_rotated_volume(patient, results):
     np.testing.assert_allclose(written.ijk_to_reference, matrix, atol=1e-6)
 
 
-def test_clip_and_fan_options_limit_what_enters(patient, results):
-    def hits(*options):
-        main([*patient.reconstruct, *options, "--output", str(results / "v.nrrd"), "--hits", str(results / "h.nrrd")])
-        return int(read_volume(results / "h.nrrd").array.sum())
-
-    assert hits("--clip-px", "4", "5", "9", "7") == 6 * 10 * 8
-    fan = ("--probe", "sector", "--apex-px", "20", "-10", "--fan-angles-deg", "-20", "20", "--fan-radius-px", "12", "30")
-    assert 0 < hits(*fan) < hits()
-
-
 def test_frames_without_tracking_are_named_in_the_summary(tmp_path, results, capsys):
     sequence = tracked_sequence(statuses={1: TransformStatus.OUT_OF_VIEW, 2: TransformStatus.OUT_OF_VIEW, 5: TransformStatus.MISSING})
     patient = write_patient(tmp_path, sequence)
@@ -115,27 +105,23 @@ def test_info_names_the_missing_calibration_and_how_to_give_it(patient, capsys):
     assert "--config" in out
 
 
-def test_the_module_runs_as_a_program():
-    done = subprocess.run([sys.executable, "-m", "AIFReconLib", "--version"], capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("aifrecon ")
-
-
 def test_a_configurations_skip_interval_is_honored(patient, results, capsys):
     patient.config.write_text(patient.config.read_text().replace("<VolumeReconstruction", '<VolumeReconstruction SkipInterval="3"'))
     main([*patient.reconstruct, "--output", str(results / "v.nrrd")])
     assert "2 of 6 frames" in capsys.readouterr().out
 
 
-def test_a_clip_option_keeps_the_region_of_the_scan_conversion_for_its_fan(tmp_path, results):
-    """A curvilinear configuration's fan still bounds what a clip rectangle lets in."""
-    patient = write_patient(tmp_path)
+def test_clip_and_fan_limit_what_enters_and_a_clip_keeps_the_fan_of_the_configuration(patient, results):
     curved = 'TransducerGeometry="CURVILINEAR" RadiusStartMm="4" RadiusStopMm="12" ThetaStartDeg="-20" ThetaStopDeg="20"'
-    patient.config.write_text(patient.config.read_text().replace('TransducerGeometry="LINEAR"', curved))
 
     def hits(*options):
         main([*patient.reconstruct, *options, "--output", str(results / "v.nrrd"), "--hits", str(results / "h.nrrd")])
         return int(read_volume(results / "h.nrrd").array.sum())
 
+    assert hits("--clip-px", "4", "5", "9", "7") == 6 * 10 * 8
+    fan = ("--probe", "sector", "--apex-px", "20", "-10", "--fan-angles-deg", "-20", "20", "--fan-radius-px", "12", "30")
+    assert 0 < hits(*fan) < hits()
+    patient.config.write_text(patient.config.read_text().replace('TransducerGeometry="LINEAR"', curved))
     assert hits("--clip-px", "0", "0", "39", "29") == hits() < 6 * 40 * 30
 
 
