@@ -15,7 +15,6 @@ from sweeps import rigid
 
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.parser import main
-from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
@@ -72,16 +71,6 @@ def test_grid_like_uses_the_voxels_of_a_rotated_volume(patient, results):
     np.testing.assert_allclose(written.ijk_to_reference, matrix, atol=1e-6)
 
 
-def test_frames_without_tracking_are_named_in_the_summary(tmp_path, results, capsys):
-    sequence = tracked_sequence(statuses={1: TransformStatus.OUT_OF_VIEW, 2: TransformStatus.OUT_OF_VIEW, 5: TransformStatus.MISSING})
-    patient = write_patient(tmp_path, sequence)
-    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
-    out = capsys.readouterr().out
-    assert "3 of 6 frames" in out
-    assert "2 frames (1-2): ProbeToTracker OUT_OF_VIEW" in out
-    assert "1 frame (5): ProbeToTracker MISSING" in out
-
-
 def test_a_bone_map_beside_the_sweep_is_a_warning(patient, results, capsys):
     code = main([*patient.reconstruct, "--bone-labels", str(patient.labels), "--bone-sigma-mm", "1", "--output", str(results / "v.nrrd")])
     assert code == 0
@@ -95,14 +84,6 @@ def test_info_says_that_a_sequence_is_ready(patient, capsys):
     assert "0.4 x 0.5 mm" in out
     assert "20.0 frames/s" in out
     assert "Ready: 6 of 6 frames can be placed by ImageToProbe, ProbeToTracker, TrackerToReference." in out
-
-
-def test_info_names_the_missing_calibration_and_how_to_give_it(patient, capsys):
-    assert main(["info", str(patient.sweep)]) == 1
-    out = capsys.readouterr().out
-    assert "Cannot be reconstructed yet" in out
-    assert "ImageToProbe" in out
-    assert "--config" in out
 
 
 def test_a_configurations_skip_interval_is_honored(patient, results, capsys):
