@@ -78,6 +78,8 @@ REFUSED = {
     f"{RECONSTRUCT} -o out/no/v.nrrd": "does not exist",
     f"{OUT} --save-settings out/none/s.json": "does not exist",
     f"{OUT} --hits out/v.nrrd": "another output",
+    f"{OUT} --log cases.csv": "Cannot log to cases.csv: it is there and is no log.",
+    f"{OUT} --log no/log.txt": "does not exist",
     f"{OUT} --dicom-study labels.nrrd": "--dicom-study is for an output that ends with .dcm",
     "evaluate far.nrrd --bone labels.nrrd --csv labels.nrrd": "would overwrite an input",
     "evaluate far.nrrd --bone labels.nrrd --csv ct.nrrd": "Choose a name that ends with .csv",

@@ -64,23 +64,6 @@ def test_a_log_is_continued(patient, tmp_path):
     assert (text.count(FIRST_WORDS), text.count("aifrecon reconstruct")) == (1, 2)
 
 
-def test_a_log_of_another_kind_of_file_is_refused_and_the_file_stays(patient, tmp_path, capsys):
-    other = tmp_path / "notes.txt"
-    other.write_text("do not lose me")
-    assert reconstruct(patient, tmp_path, "--log", other) == 2
-    assert "is no log" in capsys.readouterr().err
-    assert other.read_text() == "do not lose me"
-    assert not (tmp_path / "v.nrrd").exists()
-
-
-def test_a_log_that_cannot_be_written_is_one_clear_line(patient, tmp_path, capsys):
-    assert reconstruct(patient, tmp_path, "--log", tmp_path / "nowhere" / "log.txt") == 2
-    err = capsys.readouterr().err
-    assert err.count("\n") == 1
-    assert "nowhere" in err
-    assert "does not exist" in err
-
-
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits the size of files")
 def test_the_work_is_done_although_the_disk_no_longer_takes_the_log(patient, tmp_path):
     limited = (
