@@ -12,6 +12,7 @@ from files import write_patient
 from waiting import until
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.effective_settings import ReconstructorParts
 from AIFReconLib.live.session.insertion import Inserter
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.recipe.recipe import ReconstructionSettings
@@ -98,7 +99,7 @@ def test_a_server_that_is_not_there_is_noted_for_every_attempt(caplog):
 
 
 def test_the_error_of_a_live_thread_is_noted_with_its_traceback(caplog):
-    inserter = Inserter(ReconstructionSettings(method="average"), None, 1.0, lambda result, imaging: result)
+    inserter = Inserter(ReconstructionSettings(method="average"), None, 1.0, lambda result, imaging: result, ReconstructorParts())
 
     def fail():
         raise ZeroDivisionError("as an engine might")
