@@ -126,16 +126,10 @@ def _dry_run(table: Cases) -> int:
 
 
 def _compute(cohort: Cohort, asked: _BatchOptions) -> None:
-    def say(text: str) -> None:
-        if not asked.quiet:
-            show(sys.stderr, f"{text}\n")
-
-    if asked.scheduler:
-        workers = cluster_at(asked.scheduler, cohort.output)
-    else:
-        workers = local_workers(shared_out(cohort.to_do, asked.workers, asked.memory))
+    at = asked.scheduler
+    workers = cluster_at(at, cohort.output) if at else local_workers(shared_out(cohort.to_do, asked.workers, asked.memory))
     with ProgressBar() as progress:
-        cohort.compute(workers, say, progress)
+        cohort.compute(workers, lambda text: show(sys.stderr, f"{text}\n"), progress)
 
 
 def _tell(cohort: Cohort) -> int:

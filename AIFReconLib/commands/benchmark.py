@@ -73,17 +73,8 @@ def _report(found: MeasuredSpeed, spacing: float) -> dict[str, object]:
         method: {"seconds_per_frame": seconds, "frames_per_second": 1 / seconds, "live": verdict(seconds * found.rate)}
         for method, seconds in found.seconds.items()
     }
-    return {
-        "machine": machine(),
-        "version": __version__,
-        "size": found.size,
-        "rate": found.rate,
-        "spacing_mm": spacing,
-        "voxels": found.voxels,
-        "engine": found.engine,
-        "busy": found.busy,
-        "methods": methods,
-    }
+    facts = {name: getattr(found, name) for name in ("size", "rate", "voxels", "engine", "busy")}
+    return {"machine": machine(), "version": __version__, "spacing_mm": spacing, **facts, "methods": methods}
 
 
 def answer(shares: dict[str, float], size: tuple[int, int], rate: float) -> str:

@@ -115,32 +115,26 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
 def run(asked: _LiveOptions) -> int:
     """Connect, reconstruct until the end or Ctrl-C, write what there is; the answer is the exit code."""
     inputs = [*asked.config, *bone_inputs(asked), asked.importance_mask]
-    says_bone = asked.record and (asked.bone_image or asked.bone_model)
-    check_outputs(asked, [predictions_beside(asked.record)] if says_bone and asked.record else [])
+    if asked.record and (asked.bone_image or asked.bone_model):
+        check_outputs(asked, [predictions_beside(asked.record)])
     outputs = checked_outputs(asked, asked.output)
     started = time.perf_counter()
-    recipe = asked.recipe
-    scan, client = _scan_of(asked, recipe)
-    session = scan.session
+    scan, client = _scan_of(asked, asked.recipe)
     with scan:
         result, told_by = _scan(scan, client, asked)
-    labeled = scan.labeled
-    statistics, error = session.statistics, session.error
+    labeled, statistics, error = scan.labeled, scan.session.statistics, scan.session.error
     if result is None or not result.frames_inserted:
         why = " ".join(filter(None, [scan.why_nothing(client.statistics, as_option), scan.recording_line]))
         if told_by is None:
             raise NoUsableFramesError(why)
         print(f"aifrecon: Scan ended, nothing to save. {one_line(why)}", file=sys.stderr)
         return 128 + told_by
-    stream = {name: getattr(asked, name) for name in OF_A_STREAM}
-    result = with_provenance(result, asked, inputs, stream)
+    result = with_provenance(result, asked, inputs, {name: getattr(asked, name) for name in OF_A_STREAM})
     files = write_outputs(result, asked, outputs, labeled.in_reference() if labeled else None)
     width = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled and method_named(result.method).needs_bone else []
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
-    for line in filter(
-        None, [*scan.what_else(client.statistics, result), *_bone_lines(scan), scan.recording_line, *how_to_look(asked, asked.output)]
-    ):
-        print(f"  {in_options(line)}")
+    lines = [*scan.what_else(client.statistics, result), *_bone_lines(scan), scan.recording_line, *how_to_look(asked, asked.output)]
+    print(*(f"  {in_options(line)}\n" for line in lines if line), sep="", end="")
     if error is not None:
         cause = in_options(error).rstrip(".")
         raise AIFReconError(f"The reconstruction stopped early: {cause}. What was there before is written to {asked.output}.")
@@ -162,7 +156,11 @@ def _scan_of(asked: _LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLink
         trust_image_pose=asked.trust_image_pose,
         tracker_frame=asked.tracker_frame,
     )
-    _check_bone_options(asked)
+    check_bone_options(asked)
+    if asked.bone_frames:
+        raise SettingsError("--bone-frames belongs to a recorded sweep. Give --bone-image or --bone-model for a live scan.")
+    if asked.bone_image and asked.bone_image == asked.image:
+        raise SettingsError(f"--bone-image and --image must be two devices; got {asked.image!r} for both.")
     client = OpenIGTLinkClient(asked.host, asked.port)
     with ProgressBar() as progress:
         job = ScanJob(
@@ -182,18 +180,6 @@ def _scan_of(asked: _LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLink
         check_outputs(asked, sorted(recorded))
     client.start(wait=True)
     return scan, client
-
-
-def _check_bone_options(asked: _LiveOptions) -> None:
-    """Return if the options that let the frames say where bone is are for a scan, and go together.
-
-    Raises SettingsError otherwise.
-    """
-    check_bone_options(asked)
-    if asked.bone_frames:
-        raise SettingsError("--bone-frames belongs to a recorded sweep. Give --bone-image or --bone-model for a live scan.")
-    if asked.bone_image and asked.bone_image == asked.image:
-        raise SettingsError(f"--bone-image and --image must be two devices; got {asked.image!r} for both.")
 
 
 def _bone_lines(scan: LiveScan) -> list[str]:

@@ -14,11 +14,11 @@ from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.volume.files import read_volume
 from ..io.volume.models import LPS, MODEL_SUFFIXES, RAS, read_model
-from ..paths.free_paths import CONE_DEG, MARGIN, WITHIN, free_paths
+from ..paths.free_paths import MARGIN, free_paths
 from ..paths.path_export import markups, paths_figure, write_skin_map
 from ..progress import part
 from ..sweep.frames import TrackedSequence
-from ..terminal.arguments import Names, Output
+from ..terminal.arguments import Names, Output, is_number
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import PlacedLabelsOptions, labels_from, place_from
 from ..terminal.outputs import tell, write_json
@@ -46,10 +46,6 @@ class _PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
         where lines begin: where the probe's face was in these sweeps; or --skin
     skin : FILE
         a surface in Reference: .stl, .ply, .obj, .vtp or .vtk
-    within : MM
-        of the target the lines end
-    cone_deg : DEG
-        largest angle to the shortest way to the target
     margin : MM
         taken off each distance from bone, beside half a voxel, for calibration and registration
     output : PATHS.mrk.json
@@ -75,8 +71,6 @@ class _PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
     target: tuple[str, ...]
     sweep: tuple[Path, ...] = ()
     skin: Path | None = None
-    within: float = WITHIN
-    cone_deg: float = CONE_DEG
     margin: float = MARGIN
     output: Output
     skin_map: Output | None = None
@@ -110,8 +104,6 @@ def run(asked: _PathsOptions) -> None:
             mask=mask,
             score=score,
             margin=asked.margin,
-            within=asked.within,
-            cone_deg=asked.cone_deg,
             recipe=recipe,
             progress=rest,
         )
@@ -129,13 +121,9 @@ def _target(words: Sequence[str]) -> str | list[float]:
     """A level, or a point."""
     if len(words) == 1:
         return words[0]
-    try:
-        point = [float(word) for word in words]
-    except ValueError:
-        point = []
-    if len(point) != 3:
+    if len(words) != 3 or not all(map(is_number, words)):
         raise SettingsError(f"Input --target must be two labels as in L3-L4, or a point X Y Z in mm; got {' '.join(words)!r}.")
-    return point
+    return [float(word) for word in words]
 
 
 def _skin(asked: _PathsOptions) -> list[TrackedSequence] | Floats:

@@ -36,15 +36,12 @@ class _PreviewOptions(PlacedLabelsOptions):
         a reconstruction
     output : FILE.png
         where to draw
-    patient
-        Reference lies as the patient does (RAS), also without labels or a CT
     mask : MASK
         0 where nothing was scanned (default: where the volume is 0)
     """
 
     volume: Path
     output: Output
-    patient: bool = False
     mask: Path | None = None
 
     WORDS: ClassVar[Names] = ("volume",)
@@ -67,7 +64,7 @@ def run(asked: _PreviewOptions) -> None:
         ct = read_ct(asked.ct).placed_by(place) if asked.ct else None
         doubts = unlike_inputs({asked.volume.name: volume.fields}, [*labels_inputs(asked), asked.bone_transform])
         progress(0.5, "Drawing")
-        preview(volume, mask, labels, ct, asked.volume.name, patient=asked.patient or None).write(asked.output)
+        preview(volume, mask, labels, ct, asked.volume.name).write(asked.output)
     tell(f"wrote {asked.output}", [*doubts, *(() if given is None else given.notes)])
 
 

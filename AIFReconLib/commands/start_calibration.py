@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import ClassVar
 
 from ..calibration.measured import measured_calibration
 from ..errors import SettingsError
 from ..io.disk.atomic import write_text
-from ..terminal.arguments import Options, Output, Rivals
+from ..terminal.arguments import Options, Output
 from ..terminal.console import program
 
 ERROR = 20.0
@@ -23,8 +22,6 @@ class _StartCalibrationOptions(Options):
     ----------
     depth : MM ROW ROW
         a length on the depth scale, and the rows where it begins and ends
-    pixel : MM
-        or the size of a pixel
     face_px : COLUMN ROW
         the middle of the probe's face in the images
     face_mm : X Y Z
@@ -46,15 +43,12 @@ class _StartCalibrationOptions(Options):
     """
 
     depth: tuple[float, float, float]
-    pixel: float | None = None
     face_px: tuple[float, float]
     face_mm: tuple[float, float, float]
     right: str
     down: str
     tool: str = "Probe"
     output: Output
-
-    RIVALS: ClassVar[Rivals] = (("depth", "pixel"),)
 
 
 def run(asked: _StartCalibrationOptions) -> None:
@@ -64,12 +58,10 @@ def run(asked: _StartCalibrationOptions) -> None:
         raise SettingsError(f"{output}: a configuration is an XML file. Choose a name that ends with .xml.")
     if not asked.tool.isidentifier():
         raise SettingsError(f"Input --tool must be letters and digits, as names of frames are; got {asked.tool}.")
-    pixel = asked.pixel
-    if pixel is None:
-        length, first, last = asked.depth
-        if not last > first:
-            raise SettingsError("Input --depth must be mm, the row where they begin, and a larger one where they end.")
-        pixel = length / (last - first)
+    length, first, last = asked.depth
+    if not last > first:
+        raise SettingsError("Input --depth must be mm, the row where they begin, and a larger one where they end.")
+    pixel = length / (last - first)
     matrix = measured_calibration(pixel, asked.face_px, asked.face_mm, asked.right, asked.down)
     rows = "\n".join("      " + " ".join(f"{value:.9g}" for value in row) for row in matrix.tolist())
     tool = asked.tool[:1].upper() + asked.tool[1:]

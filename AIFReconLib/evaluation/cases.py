@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import FileFormatError, SettingsError
 from ..io.disk.small_files import read_bytes
 from ..message import listed
-from .quantities import HEADINGS, NOT_KNOWN, OWN_BONE, QUANTITIES, spreadsheet_cell
+from .quantities import HEADINGS, NOT_KNOWN, OWN_BONE, QUANTITIES, csv_text
 
 LEVEL, DRAWS, FEW, FEWEST = 0.95, 10_000, 10, 5
 """Of the confidence intervals: their level, how many times cases are drawn anew, how many cases are enough, and
@@ -135,13 +135,10 @@ class CaseNumbers:
 
     def csv(self, against: str) -> str:
         """Every number of every volume, a line each; areas in mm2, shares from 0 to 1."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         names = ("cases", "mean", "standard_deviation", "paired_cases", "mean_difference", "confidence_low", "confidence_high")
-        writer.writerow(["volume", "quantity", "unit", "against", *names])
+        rows: list[list[object]] = [["volume", "quantity", "unit", "against", *names]]
         for volume in self.numbers:
             for key, quantity in QUANTITIES.items():
-                numbers = ["" if value != value else spreadsheet_cell(value) for value in self.summary(key, volume, against)]
                 unit = quantity.unit.replace("\N{SUPERSCRIPT TWO}", "2") or ("share" if quantity.form.endswith("%") else "")
-                writer.writerow([spreadsheet_cell(volume), key, unit, spreadsheet_cell(against), *numbers])
-        return text.getvalue()
+                rows.append([volume, key, unit, against, *self.summary(key, volume, against)])
+        return csv_text(rows)

@@ -213,13 +213,17 @@ def metrics_csv(metrics: dict[str, BoneMetrics], frames: int | None, own_bone: C
     that of those in `own_bone`) and the keys of `BoneMetrics.to_dict`; six digits.
     """
     reachability = "unknown" if frames is None else "sweep"
+    numbers = {name: result.to_dict() for name, result in metrics.items()}
+    head = ["volume", "reachability", "yardstick", *next(iter(numbers.values()))]
+    told = {name: OWN_BONE if name in own_bone else OTHER_BONE for name in numbers}
+    return csv_text([head, *([name, reachability, told[name], *row.values()] for name, row in numbers.items())])
+
+
+def csv_text(rows: Iterable[Iterable[object]]) -> str:
+    """Rows as a spreadsheet takes them; what is not known is left empty."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    numbers = {name: result.to_dict() for name, result in metrics.items()}
-    writer.writerow(["volume", "reachability", "yardstick", *next(iter(numbers.values()))])
-    for name, row in numbers.items():
-        known = ("" if math.isnan(value) else value for value in row.values())
-        writer.writerow(map(spreadsheet_cell, (name, reachability, OWN_BONE if name in own_bone else OTHER_BONE, *known)))
+    writer.writerows([spreadsheet_cell(cell) if cell == cell else "" for cell in row] for row in rows)
     return text.getvalue()
 
 

@@ -6,7 +6,6 @@ Results are measured against this surface, never against the smoothed probabilit
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 import scipy
@@ -210,13 +209,6 @@ def interspinous_border(surface: BoneSurface, centers_reference: dict[int, Float
         midline = np.abs(across @ np.cross(axis, posterior)) <= GAP_HALF_WIDTH
         border[here] = near & facing & midline & (behind > GAP_POSTERIOR_FROM * np.quantile(behind, 0.99))
     return border
-
-
-def centers_of_mass(labels: Volume) -> dict[int, Floats]:
-    """The center of mass of each label above 0, (3,) float64 in Reference, mm."""
-    numbers = [int(label) for label in np.unique(labels.array) if label > 0]
-    centers_kji = scipy.ndimage.center_of_mass(labels.array > 0, cast("Integers", labels.array), numbers)
-    return {label: transform_points(labels.ijk_to_reference, np.array(kji)[::-1]) for label, kji in zip(numbers, centers_kji)}
 
 
 def _label_of(points: Floats, normals: Floats, labels: Volume | None) -> Integers:

@@ -15,6 +15,7 @@ from ..arrays import Bytes, Floats, Integers, Mask, Matrix
 from ..bone.canal import canals_of
 from ..effective_settings import resolve_imaging
 from ..geometry.box import box_around
+from ..geometry.labels import centers_of_mass
 from ..geometry.transforms import image_plane_axes, pixel_spacing, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import LINEAR, ProbeGeometry
@@ -25,7 +26,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined
 from ..sweep.poses import sweep_poses
 from .lines import StraightLines, lines_to_canal
-from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border
+from .surface import BoneSurface, bone_surface, distance_from_labels, interspinous_border
 
 BEAM_THICKNESS = 3.0
 """mm across the imaging plane within which a beam sees. Abdominal and cardiac probes of 3 to 7 MHz: 2 to 5 mm at -6 dB

@@ -10,7 +10,7 @@ from typing import cast
 
 import numpy as np
 
-from ..arrays import Integers, Matrix
+from ..arrays import Floats, Integers, Matrix
 from ..errors import GeometryError
 from ..message import listed, shorten
 from .box import Box, box_around
@@ -126,3 +126,12 @@ class Labels(Volume):
         numbers = self.numbers().tolist()
         words = [f"{number} ({self.names[number]})" if number in self.names else str(number) for number in numbers]
         return listed([*words[:MOST_LISTED], *(["..."] if len(words) > MOST_LISTED else [])]) or "none"
+
+
+def centers_of_mass(labels: Volume) -> dict[int, Floats]:
+    """The center of mass of each label above 0, (3,) float64 in Reference, mm."""
+    import scipy
+
+    numbers = [int(label) for label in np.unique(labels.array) if label > 0]
+    centers_kji = scipy.ndimage.center_of_mass(labels.array > 0, cast("Integers", labels.array), numbers)
+    return {label: transform_points(labels.ijk_to_reference, np.array(kji)[::-1]) for label, kji in zip(numbers, centers_kji)}

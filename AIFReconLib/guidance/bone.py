@@ -12,10 +12,10 @@ from ..arrays import Floats, Integers, Mask, Matrix
 from ..bone.field import VOXEL, BoneField
 from ..bone.map import BoneMap
 from ..errors import GeometryError
-from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
+from ..evaluation.surface import BoneSurface, bone_surface, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
 from ..geometry.box import in_cubes
-from ..geometry.labels import Labels
+from ..geometry.labels import Labels, centers_of_mass
 from ..geometry.transforms import affine, as_matrix, image_plane_axes, transform_points, unit_vectors
 from ..geometry.volume import Volume
 

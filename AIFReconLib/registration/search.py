@@ -15,6 +15,7 @@ import scipy
 from ..arrays import Floats
 from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
+from ..geometry.labels import centers_of_mass
 from ..geometry.transforms import invert, transform_points, unit_vectors
 from ..progress import Progress, report
 from .agreement import Agreement
@@ -139,11 +140,7 @@ def level_shifts(bone: BoneField) -> dict[int, Floats]:
 
     The mean over the labels that have such a neighbor, in the order of their numbers. Empty for a single bone.
     """
-    labels = bone.labels
-    numbers = [int(label) for label in np.unique(labels.array) if label > 0]
-    masses = np.asarray(scipy.ndimage.center_of_mass((labels.array > 0).astype(np.uint8), labels.array.astype(np.int64), numbers))
-    centers: Floats = masses[:, ::-1].astype(np.float64)
-    centers = transform_points(labels.ijk_to_reference, centers)
+    centers = np.array(list(centers_of_mass(bone.labels).values()))
     shifts = {}
     for n in (1, 2):
         if len(centers) > n:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -61,6 +61,21 @@ def _swallows(frame: FrameType | None) -> bool:
 
 
 @contextmanager
+def _handled(handle: Callable[[int, FrameType | None], None], numbers: Collection[int]) -> Iterator[None]:
+    """Within the block these signals are handled so; only in the main thread, which alone hears them."""
+    is_main = threading.current_thread() is threading.main_thread()
+    before = {number: signal.signal(number, handle) for number in (numbers if is_main else ())}
+    try:
+        # They wait in a process that the guard has started, until here
+        if before and hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, before)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
 def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
     """Within the block these signals raise `KeyboardInterrupt` with their number; those that the caller has ignored or handled stay so.
 
@@ -79,18 +94,9 @@ def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
         end.told, end.signal, end.when = True, int(number), time.monotonic()
         raise KeyboardInterrupt(int(number))
 
-    before = {}
-    if threading.current_thread() is threading.main_thread():
-        untouched = (signal.SIG_DFL, signal.default_int_handler)
-        before = {n: signal.signal(n, interrupt) for n in (signal.SIGINT, *SIGNALS) if signal.getsignal(n) in untouched}
-    try:
-        # They wait in a process that the guard has started, until here
-        if before and hasattr(signal, "pthread_sigmask"):
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, before)
+    untouched = (signal.SIG_DFL, signal.default_int_handler)
+    with _handled(interrupt, [number for number in (signal.SIGINT, *SIGNALS) if signal.getsignal(number) in untouched]):
         yield end
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 @contextmanager
@@ -101,6 +107,8 @@ def heard_in_pauses() -> Iterator[Callable[[float], None]]:
     forever, as a scan's threads then would. What came after the last wait is heard at the end of the block.
     """
     came: list[int] = []
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *SIGNALS)}
+    held = {int(number): handler for number, handler in handlers.items() if callable(handler)}
 
     def hear() -> None:
         if came:
@@ -112,14 +120,6 @@ def heard_in_pauses() -> Iterator[Callable[[float], None]]:
         time.sleep(seconds)
         hear()
 
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *SIGNALS)}
-    in_main = threading.current_thread() is threading.main_thread()
-    held = {number: handler for number, handler in handlers.items() if in_main and callable(handler)}
-    for number in held:
-        signal.signal(number, lambda number, _frame: came.append(number))
-    try:
+    with _handled(lambda number, _frame: came.append(number), held):
         yield wait
-    finally:
-        for number, handler in held.items():
-            signal.signal(number, handler)
     hear()

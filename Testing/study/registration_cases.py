@@ -13,7 +13,8 @@ from AIFReconLib.bone.field import BoneField
 from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import BoneMetrics
-from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels
+from AIFReconLib.evaluation.surface import bone_surface, distance_from_labels
+from AIFReconLib.geometry.labels import centers_of_mass
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume

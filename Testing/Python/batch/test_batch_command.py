@@ -62,21 +62,6 @@ def test_a_dry_run_lists_what_is_wrong_and_writes_nothing(table, tmp_path, capsy
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--workers", "0"], "a whole number of 1 or more"),
-        (["--memory", "-1"], "must be a positive size such as 1.5GB"),
-        (["--memory", "0.5"], "must be at least 0.75 GB"),
-        (["--scheduler", "tcp://h:1", "--workers", "2"], "a cluster has its own"),
-        (["--method", "nowhere:mine"], "there is no module nowhere"),
-    ],
-)
-def test_what_cannot_be_asked_for_is_one_line(table, tmp_path, capsys, options, words):
-    assert main(["batch", str(table), "--output", str(tmp_path / "out"), *options]) == 2
-    assert words in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("options", [[], ["--scheduler", "tcp://127.0.0.1:9"]])
 def test_without_its_packages_a_sentence_says_how_to_get_them(table, tmp_path, capsys, monkeypatch, options):
     def missing(name):

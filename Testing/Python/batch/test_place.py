@@ -48,49 +48,46 @@ def tree(folder):
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def refused(lab, output, capsys, *options):
-    """What the command says; it must refuse and leave everything as it is."""
-    before = tree(lab)
-    assert main(["batch", str(lab / "cases.csv"), "--output", str(output), *options]) == 2
-    assert tree(lab) == before
-    return capsys.readouterr().err
+def put(path, is_link=False):
+    """Something of the user's own in the place of results."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.symlink_to(path.parents[1]) if is_link else path.write_text("mine")
+    return path
 
 
-@pytest.mark.parametrize("options", [[], ["--dry-run"]], ids=["run", "dry run"])
-@pytest.mark.parametrize("output", [".", "P1", "P1/.."])
-def test_a_folder_that_holds_inputs_is_refused(lab, capsys, options, output):
-    assert "it holds" in refused(lab, lab / output, capsys, *options)
-
-
-def test_an_input_that_is_a_result_of_the_same_folder_is_refused(lab, capsys):
+def input_of_another_case(lab):
     done(lab, lab / "out")
     with (lab / "cases.csv").open("a") as file:
         file.write("P2,out/P1/average.nrrd,P1/PlusDeviceSet.xml,1,no\n")
-    assert "an input of P2" in refused(lab, lab / "out", capsys)
+
+
+def beside_results(lab):
+    done(lab, lab / "out")
+    put(lab / "out/P1/mine.mrk.json")
+
+
+FILES = ("P1/notes.txt", "P1/deep/notes.txt", "P1", "index.html", "results.csv", ".batch/P1.json", ".batch")
+LINKS = (RECORDS, "P1", "results.csv", ".batch/P1.json", ".batch/P1.json.registration")
+IN_THE_WAY = [
+    *(pytest.param(output, lambda lab: None, "it holds", id=f"inputs in {output}") for output in (".", "P1", "P1/..")),
+    pytest.param("out", input_of_another_case, "an input of P2", id="a result that is an input"),
+    pytest.param("out", beside_results, "mine.mrk.json", id="beside results"),
+    *(pytest.param("out", lambda lab, n=n: put(lab / "out" / n), n.removesuffix("/notes.txt"), id=f"file {n}") for n in FILES),
+    *(
+        pytest.param("out", lambda lab, n=n: put(lab / "out" / n, True), n.rpartition("/")[2], id=f"link {n}", marks=needs_links)
+        for n in LINKS
+    ),
+]
 
 
 @pytest.mark.parametrize("options", [[], ["--dry-run"]], ids=["run", "dry run"])
-@pytest.mark.parametrize("name", ["P1/notes.txt", "P1/deep/notes.txt", "P1", "index.html", "results.csv", ".batch/P1.json", ".batch"])
-def test_a_file_that_no_record_lists_is_refused(lab, capsys, name, options):
-    path = lab / "out" / name
-    path.parent.mkdir(parents=True)
-    path.write_text("mine")
-    assert f"{lab / 'out' / name.removesuffix('/notes.txt')}" in refused(lab, lab / "out", capsys, *options)
-
-
-def test_a_file_beside_results_that_are_known_is_refused(lab, capsys):
-    done(lab, lab / "out")
-    (lab / "out" / "P1" / "mine.mrk.json").write_text("mine")
-    assert "mine.mrk.json" in refused(lab, lab / "out", capsys)
-
-
-@needs_links
-@pytest.mark.parametrize("name", [RECORDS, "P1", "results.csv", ".batch/P1.json", ".batch/P1.json.registration"])
-def test_a_link_is_not_followed(lab, capsys, name):
-    (lab / "mine").mkdir()
-    (lab / "out" / name).parent.mkdir(parents=True, exist_ok=True)
-    (lab / "out" / name).symlink_to(lab / "mine")
-    assert name.rpartition("/")[2] in refused(lab, lab / "out", capsys)
+@pytest.mark.parametrize(("output", "prepare", "words"), IN_THE_WAY)
+def test_what_no_run_has_written_is_refused_and_stays(lab, capsys, options, output, prepare, words):
+    prepare(lab)
+    before = tree(lab)
+    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / output), *options]) == 2
+    assert tree(lab) == before
+    assert words in capsys.readouterr().err
 
 
 def test_a_folder_of_results_is_replaced_by_results(lab):
@@ -128,15 +125,6 @@ def test_results_of_a_run_that_was_ended_before_it_said_so_are_replaced(lab, mon
     done(lab, lab / "out")
 
 
-@pytest.mark.parametrize("state", [FAILED, LOST])
-def test_results_of_before_are_known_after_a_case_has_failed(lab, monkeypatch, state):
-    done(lab, lab / "out")
-    error = OutputError("full") if state == LOST else ValueError("mistake")
-    monkeypatch.setattr(module._Work, "results", lambda self: (_ for _ in ()).throw(error))
-    assert carry_out(first_case(lab), lab / "out").state == state
-    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
-
-
 def test_results_of_before_are_known_after_a_process_was_lost(lab):
     known = done(lab, lab / "out").outputs
     Cohort([], lab / "out")._lost(first_case(lab), BrokenExecutor("it was ended"))
@@ -144,38 +132,48 @@ def test_results_of_before_are_known_after_a_process_was_lost(lab):
     assert (record.state, record.outputs, record.results) == (LOST, known, [])
 
 
-@pytest.mark.parametrize("failing", ["old", "new"])
-def test_a_rename_that_reports_failure_after_it_was_done_costs_no_results(lab, monkeypatch, failing):
-    before = done(lab, lab / "out").outputs
-    rename = os.rename
-
-    def late(old, new):
-        """Of the two renames of folders: the old one goes aside, the new one comes."""
-        rename(old, new)
-        if new == (lab / "out" / "P1" if failing == "new" else new.parent / "before"):
-            raise OSError(5, "Input/output error")
-
-    with monkeypatch.context() as patched:
-        patched.setattr(os, "rename", late)
-        assert carry_out(first_case(lab), lab / "out").state == LOST
-    assert {path.name for path in (lab / "out" / "P1").iterdir()} == set(before)
-    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
-
-
-@pytest.mark.parametrize("state", [DONE, LOST])
-def test_two_batches_in_one_folder_know_each_others_results(lab, monkeypatch, state):
+def fails(lab, monkeypatch, error=None):
+    """The work ends so; meanwhile another batch has computed the case."""
     work = module._Work.results
 
     def results(self):
         monkeypatch.undo()
         done(lab, lab / "out")
-        if state == LOST:
-            raise OutputError("full")
+        if error is not None:
+            raise error
         return work(self)
 
     monkeypatch.setattr(module._Work, "results", results)
-    (lab / "out" / RECORDS).mkdir(parents=True)
-    assert carry_out(first_case(lab), lab / "out").state == state
+
+
+def renamed_late(lab, monkeypatch, failing):
+    """Of the two renames of folders, the old one that goes aside or the new one that comes, one reports failure after it was done."""
+    rename = os.rename
+
+    def late(old, new):
+        rename(old, new)
+        if new == (lab / "out" / "P1" if failing == "new" else new.parent / "before"):
+            raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(os, "rename", late)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "more", "state"),
+    [
+        (fails, ValueError("mistake"), FAILED),
+        (fails, OutputError("full"), LOST),
+        (fails, None, DONE),
+        (renamed_late, "old", LOST),
+        (renamed_late, "new", LOST),
+    ],
+)
+def test_whatever_goes_wrong_results_of_before_stay_and_are_known(lab, monkeypatch, wrong, more, state):
+    before = done(lab, lab / "out").outputs
+    with monkeypatch.context() as patched:
+        wrong(lab, patched, more)
+        assert carry_out(first_case(lab), lab / "out").state == state
+    assert {path.name for path in (lab / "out" / "P1").iterdir()} == set(before)
     assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
 

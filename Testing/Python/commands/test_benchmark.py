@@ -115,21 +115,6 @@ def test_the_command_answers_for_every_method(tmp_path, capsys):
     assert all(of["frames_per_second"] * of["seconds_per_frame"] == pytest.approx(1) for of in found["methods"].values())
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--rate", "0"], "--rate: must be a number above 0"),
-        (["--rate", "nan"], "--rate: must be a number above 0"),
-        (["--spacing", "-1"], "--spacing: must be a number above 0"),
-        (["--size", "0", "480"], "--size must be 16 to"),
-        (["--frames", "1"], "at least 2 --frames"),
-    ],
-)
-def test_what_cannot_be_measured_is_refused(words, said, capsys):
-    assert main(["benchmark", *words]) == 2
-    assert said in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(("share", "word"), [(0.2, KEEPS_UP), (0.5, KEEPS_UP), (0.8, JUST_KEEPS_UP), (1.01, TOO_SLOW)])
 def test_half_of_the_time_must_be_left(share, word):
     assert verdict(share) == word

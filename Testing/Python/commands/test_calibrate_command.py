@@ -155,21 +155,6 @@ def test_pixels_are_scaled_about_the_first(patient, tmp_path):
     assert after[:, :3, [0, 3]] == pytest.approx(before[:, :3, [0, 3]], abs=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("output", "is_configured", "words"),
-    [
-        ("new.nii", True, "must end in .xml or .tfm"),
-        ("missing/New.xml", True, "does not exist. Create it"),
-        ("New.xml", False, "Give it with --config"),
-    ],
-)
-def test_what_cannot_be_written_is_said_before_the_long_work(patient, tmp_path, capsys, monkeypatch, output, is_configured, words):
-    monkeypatch.chdir(tmp_path)
-    config = ["--config", patient.configuration] if is_configured else []
-    assert main(["calibrate", *map(str, [patient.sequence, *config, "--bone-labels", patient.labels, "--output", output])]) == 2
-    assert words in capsys.readouterr().err
-
-
 def test_sweeps_of_two_depths_are_refused(patient, tmp_path, capsys):
     deeper = tmp_path / "deeper.igs.mha"
     config = str(patient.configuration)

@@ -37,22 +37,3 @@ def test_without_bone_no_letters_of_a_patient_are_drawn(volumes, results):
     text = drawn.read_text("utf-8")
     assert "average.nrrd" in text
     assert "sagittal" not in text
-
-
-@pytest.mark.parametrize(
-    ("options", "expected"),
-    [
-        (["--output", "v.jpg"], "a figure is a PNG, PDF or SVG"),
-        (["--names", "one", "--output", "v.png"], "--names must be 2 different names"),
-        (["--names", "one", "one", "--output", "v.png"], "--names must be 2 different names"),
-        (["--window", "9", "3", "--output", "v.png"], "--window must be BLACK and WHITE"),
-        (["--at", "900", "0", "0", "--output", "v.png"], "the cuts do not go through it. It fills"),
-        (["--output", "{first}"], "would overwrite"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused(volumes, tmp_path, monkeypatch, capsys, options, expected):
-    monkeypatch.chdir(tmp_path)
-    assert main(["compare", *volumes, *(option.format(first=volumes[0]) for option in options)]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert expected in error

@@ -183,34 +183,6 @@ def test_slicers_sequences_become_one_recording(tmp_path):
     np.testing.assert_allclose(landmarks_mm(found), EXPECTED, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--frames", "2", "9"], "frames must be two numbers from 0 to 5, rising; got 2 9"),
-        (["--frames", "4", "2"], "rising; got 4 2"),
-        (["--every", "0"], "every must be 1 or more; got 0"),
-        (["--crop", "0", "0", "10", "10"], "cropping moves the first pixel"),
-        (["--crop", "35", "0", "10", "10"], "within the image of 40 x 30 pixels; got X 35, Y 0, W 10, H 10"),
-        (["--rename", "Probe"], "rename: must be A=B"),
-        (["--rename", "Robe=Needle"], "must name a frame of the recording; it has Probe, Reference, Tracker"),
-        (
-            ["--rename", "RobeToTracker=NeedleToTracker"],
-            "must name a transform of the recording; it has ProbeToTracker, ReferenceToTracker",
-        ),
-        (["--rename", "ProbeToTracker=Needle"], "two transforms .* or two frames"),
-        (["--rename", "Probe=Reference"], "there would be two of ReferenceToTracker"),
-        (["--rename", "ProbeToTracker=TrackerToReference"], "there would be two"),
-        (["--orientation", "FM"], "orientation must be MF, MN, UF or UN; got 'FM'"),
-        (["--wrong-calibration", "x.xml"], "Say with --calibration"),
-        (["--calibration", "missing.txt"], "no such file"),
-        (["--transform-sequence", "t.seq.mha"], "must be NAME=FILE"),
-        (["--transform-sequence", "Transform=t.seq.mha"], "one 'To' before an upper-case letter"),
-    ],
-)
-def test_what_cannot_be_done_is_explained(patient, results, capsys, options, message):
-    assert re.search(message, refused(["convert", patient.sweep, results / "s.mha", *options], capsys, results))
-
-
 def test_poses_with_an_unknown_calibration_in_them_are_not_touched(tmp_path, results, capsys):
     write_sequence(placed_sequence(WRONG), tmp_path / "wrong.mha")
     arguments = ["convert", tmp_path / "wrong.mha", results / "s.mha", "--calibration", xml(tmp_path / "right.xml")]

@@ -14,9 +14,7 @@ from AIFReconLib import __version__
 from AIFReconLib.commands.evaluate import unique_names
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.provenance.record import INPUTS, METHOD, SETTINGS, VERSION, unlike_inputs
 
 
@@ -42,20 +40,12 @@ def command(case, *volumes, sweep=True, extra=()):
     return [str(argument) for argument in [*arguments, *extra]]
 
 
-def refusal(arguments, capsys):
-    """Exit code 2 and one line on stderr; returns the line."""
-    assert main(arguments) == 2
-    captured = capsys.readouterr()
-    assert captured.err.count("\n") == 1, captured.err
-    return captured.err
-
-
 def rows_of(path):
     with path.open(newline="") as file:
         return list(csv.DictReader(file))
 
 
-def test_the_csv_holds_every_number_of_every_volume(case, tmp_path):
+def test_the_csv_holds_every_number_of_every_volume_and_whether_a_sweep_tells_which_bone_counts(case, tmp_path, capsys):
     output = tmp_path / "metrics.csv"
     assert main(command(case, "shell", "noise", extra=["--csv", output])) == 0
     shell, noise = rows_of(output)
@@ -64,18 +54,12 @@ def test_the_csv_holds_every_number_of_every_volume(case, tmp_path):
     assert float(noise["bone_coverage"]) < 0.1
     assert float(shell["bone_cnr"]) > 5 * float(noise["bone_cnr"])
     assert abs(float(shell["bone_localization_bias"])) < 0.3, "the ball lies where its registration puts it"
-
-
-def test_without_a_sweep_it_says_that_reachability_is_unknown(case, tmp_path, capsys):
-    output = tmp_path / "metrics.csv"
+    area = float(shell["bone_area"])
     assert main(command(case, "shell", sweep=False, extra=["--csv", output])) == 0
     assert "whether a beam met it or not. Give --sweep" in capsys.readouterr().out
     (row,) = rows_of(output)
-    assert row["reachability"] == "unknown"
-    assert row["oblique_coverage"] == ""
-    assert float(row["bone_area"]) == pytest.approx(4 * np.pi * 16, rel=0.15)
-    assert main(command(case, "shell", extra=["--csv", output])) == 0
-    assert 0 < float(rows_of(output)[0]["bone_area"]) < float(row["bone_area"]), "with a sweep less bone counts"
+    assert (row["reachability"], row["oblique_coverage"]) == ("unknown", "")
+    assert area < float(row["bone_area"]) == pytest.approx(4 * np.pi * 16, rel=0.15), "with a sweep less bone counts"
 
 
 @pytest.mark.parametrize(
@@ -87,17 +71,11 @@ def test_without_a_sweep_it_says_that_reachability_is_unknown(case, tmp_path, ca
         (["x.nrrd", "a/x.nrrd", "x.nrrd"], ["x.nrrd", "a/x.nrrd"]),
     ],
 )
-def test_names_are_as_short_as_they_can_be(tmp_path, paths, expected):
+def test_names_are_as_short_as_they_can_be_and_whole_on_two_drives(tmp_path, monkeypatch, paths, expected):
     assert list(unique_names([tmp_path / path for path in paths])) == expected
-
-
-def test_volumes_of_one_name_on_two_drives_have_their_whole_paths(tmp_path, monkeypatch):
-    def two_drives(folders):
-        raise ValueError("Paths don't have the same drive")
-
-    monkeypatch.setattr("os.path.commonpath", two_drives)
-    paths = [tmp_path / "a" / "v.nrrd", tmp_path / "b" / "v.nrrd"]
-    assert list(unique_names(paths)) == [path.as_posix() for path in paths]
+    monkeypatch.setattr("os.path.commonpath", lambda folders: int("two drives"))
+    two = [tmp_path / "a" / "v.nrrd", tmp_path / "v.nrrd"]
+    assert list(unique_names(two)) == [path.as_posix() for path in two]
 
 
 def test_a_mask_decides_what_was_measured(case, tmp_path, capsys):
@@ -107,51 +85,24 @@ def test_a_mask_decides_what_was_measured(case, tmp_path, capsys):
     assert " 0.0% " in capsys.readouterr().out
 
 
-def test_bone_that_lies_elsewhere_is_refused(case, tmp_path, capsys):
-    labels = read_labels(case.labels).placed_by(read_transform(case.transform))
-    away = np.eye(4)
-    away[0, 3] = 500.0
-    labels.placed_by(away).write(tmp_path / "away.nrrd")
-    arguments = ["evaluate", tmp_path / "shell.nrrd", "--bone", tmp_path / "away.nrrd"]
-    assert "no bone surface lies" in refusal([str(a) for a in arguments], capsys)
-
-
-def test_the_csv_never_overwrites_an_input(case, capsys):
-    assert "would overwrite an input" in refusal(command(case, "shell", extra=["--csv", case.labels]), capsys)
-
-
-def test_the_report_holds_the_volumes_and_where_they_come_from(case, tmp_path, capsys):
-    page = tmp_path / "report.html"
-    assert main(command(case, "shell", "noise", extra=["--report", page])) == 0
-    assert f"wrote {page}" in capsys.readouterr().out
-    html = page.read_text("utf-8")
-    for name in ("shell.nrrd", "noise.nrrd", case.sweep.name, case.config.name, case.labels.name, case.transform.name, "6 frames"):
-        assert name in html
-    assert str(tmp_path) not in html
-
-
 def test_the_report_says_how_a_volume_was_made_and_of_which_it_is_not_known(case, tmp_path):
-    page, shell = tmp_path / "report.html", tmp_path / "shell.nrrd"
-    made = replace(read_volume(shell), fields={SETTINGS: '{"method": "aif", "alpha": 0.37}', VERSION: __version__})
-    made.write(shell)
+    page, shell, noise = tmp_path / "report.html", tmp_path / "shell.nrrd", tmp_path / "noise.nrrd"
+    replace(read_volume(shell), fields={SETTINGS: '{"method": "aif", "alpha": 0.37}', VERSION: __version__}).write(shell)
+    replace(read_volume(noise), fields={SETTINGS: '{"alpha": "many"'}).write(noise)
     assert main(command(case, "shell", "noise", extra=["--report", page])) == 0
     html = page.read_text("utf-8")
     assert "<td>0.37</td>" in html
     assert "Not known of noise.nrrd" in html
-
-
-def test_a_volume_with_damaged_settings_is_measured_all_the_same(case, tmp_path):
-    page, shell = tmp_path / "report.html", tmp_path / "shell.nrrd"
-    replace(read_volume(shell), fields={SETTINGS: '{"alpha": "many"'}).write(shell)
-    assert main(command(case, "shell", extra=["--report", page])) == 0
-    assert "Not known of shell.nrrd" in page.read_text("utf-8")
+    for name in ("shell.nrrd", case.sweep.name, case.config.name, case.labels.name, case.transform.name, "6 frames"):
+        assert name in html
+    assert str(tmp_path) not in html
 
 
 def of_cases(tmp_path, count):
     """Tables as this command writes them, of cases whose numbers differ."""
     for case in range(count):
         rows = [f"average.nrrd,sweep,{case}.5", f"weighted.nrrd,sweep,{2 * case}.75"]
-        (tmp_path / f"P{case}").mkdir()
+        (tmp_path / f"P{case}").mkdir(parents=True)
         (tmp_path / f"P{case}" / "m.csv").write_text("\n".join(["volume,reachability,bone_cnr", *rows]) + "\n", "utf-8")
     return [str(tmp_path / f"P{case}" / "m.csv") for case in range(count)]
 
@@ -166,22 +117,10 @@ def test_tables_of_many_cases_give_means_and_paired_differences(tmp_path, capsys
     [row] = [row for row in rows_of(tmp_path / "s.csv") if row["volume"] == "weighted.nrrd" and row["quantity"] == "bone_cnr"]
     assert (row["cases"], row["mean"], row["mean_difference"]) == ("5", "4.75", "2.25")
     assert "over 5 cases" in (tmp_path / "m.txt").read_text("utf-8")
-
-
-def test_of_few_cases_no_interval_is_told(tmp_path, capsys):
-    assert main(["evaluate", *of_cases(tmp_path, 3)]) == 0
+    assert main(["evaluate", *of_cases(tmp_path / "few", 3)]) == 0
     said = capsys.readouterr().out
     assert "of fewer than 5 there is none" in said
     assert "[+" not in said
-
-
-@pytest.mark.parametrize("more", [["shell.nrrd"], ["--report", "x.html"]])
-def test_what_does_not_go_with_tables_is_refused(tmp_path, capsys, more):
-    assert "hold numbers of many cases" in refusal(["evaluate", *of_cases(tmp_path, 2), *more], capsys)
-
-
-def test_tables_of_one_case_are_refused(tmp_path, capsys):
-    assert "hold one case" in refusal(["evaluate", *of_cases(tmp_path, 1)], capsys)
 
 
 def test_a_volume_that_its_yardstick_weighted_is_told(case, tmp_path, capsys):
@@ -214,10 +153,3 @@ def test_files_of_another_patient_and_a_place_that_is_left_out_are_told(case, tm
     named(case.labels, size + 1, case.transform)
     assert main(placed) == 0
     assert f"WARNING: made.nrrd was made from another {case.labels.name} than is given." in capsys.readouterr().out
-
-
-def test_a_file_of_another_kind_is_not_written_over(case, tmp_path, capsys):
-    ct = tmp_path / "ct.nrrd"
-    ct.write_bytes(b"a CT")
-    assert "Choose a name that ends with .csv" in refusal(command(case, "shell", extra=["--csv", ct]), capsys)
-    assert ct.read_bytes() == b"a CT"

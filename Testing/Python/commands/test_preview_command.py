@@ -43,17 +43,3 @@ def test_bone_that_does_not_lie_in_the_volume_is_said(patient, results, capsys):
     drawn = ["--output", str(results / "v.png"), "--bone-transform", str(results / "aside.tfm")]
     assert main(["preview", str(results / "v.nrrd"), "--bone-labels", str(patient.labels), *drawn]) == 0
     assert "WARNING: None of the bone lies in the volume." in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("options", "expected"),
-    [
-        (("--output", "v.jpg"), "a preview is a PNG picture"),
-        (("--output", "v.png", "--bone-transform", "t.tfm"), "--bone-transform places labels or a CT"),
-        (("--output", "none/v.png"), "none"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused_before_anything_is_read(options, expected, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["preview", "missing.nrrd", *options]) == 2
-    assert expected in capsys.readouterr().err

@@ -7,11 +7,10 @@ import sys
 
 import numpy as np
 import pytest
-from files import refused, tracked_sequence
+from files import tracked_sequence
 
 from AIFReconLib import __version__
 from AIFReconLib.commands.parser import main
-from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
 
@@ -98,6 +97,18 @@ def test_settings_are_written_alike_as_json_and_as_toml(make, results):
 # ---- options given beside it
 
 
+@pytest.mark.parametrize(
+    ("kept", "options"),
+    [
+        (["--image-to-reference", "ImageToTracker"], ["--image-to-reference", "ImageToReference"]),
+        (["--spacing", "1.5"], ["--spacing", "2"]),
+    ],
+)
+def test_the_box_of_another_frame_or_spacing_is_not_used(kept, options, make, results):
+    make("kept", *kept, "--hole-limit", "1")
+    assert_same(make("expected", *options, "--hole-limit", "1"), make("mixed", "--settings", results / "kept.nrrd", *options))
+
+
 @pytest.mark.parametrize("options", [["--method", "latest"], ["--hole-limit", "0"], ["--clip-px", "2", "3", "30", "20"], ["--skip", "2"]])
 def test_an_option_given_beside_it_wins_and_the_rest_stays(options, make, results):
     make("kept", "--spacing", "1.5", "--hole-limit", "1")
@@ -115,19 +126,6 @@ def test_another_frame_of_reference_that_is_given_wins_however_it_is_named(kept,
     make("kept", *kept, "--spacing", "1.5", "--hole-limit", "1")
     settings = ["--settings", results / "kept.nrrd"]
     assert_same(make("expected", *given, "--spacing", "1.5", "--hole-limit", "1"), make("mixed", *settings, *given, "--spacing", "1.5"))
-
-
-def test_the_box_of_another_frame_of_reference_is_not_used(make, results):
-    make("kept", "--image-to-reference", "ImageToTracker", "--hole-limit", "1")
-    mixed = make("mixed", "--settings", results / "kept.nrrd", "--image-to-reference", "ImageToReference")
-    assert_same(make("expected", "--image-to-reference", "ImageToReference", "--hole-limit", "1"), mixed)
-
-
-def test_another_spacing_is_that_of_another_box(make, results):
-    make("kept", "--spacing", "1.5", "--hole-limit", "1")
-    assert_same(
-        make("expected", "--spacing", "2", "--hole-limit", "1"), make("mixed", "--settings", results / "kept.nrrd", "--spacing", "2")
-    )
 
 
 # ---- other inputs
@@ -152,28 +150,3 @@ def test_settings_of_another_version_are_named(patient, results, tmp_path, capsy
 
 
 # ---- files that cannot be used
-
-
-def test_a_file_that_cannot_be_used_is_one_line_before_anything_is_read(patient, results, tmp_path, capsys):
-    settings = tmp_path / "s.json"
-    settings.write_text('{"alhpa": 1}')
-    line = refused([*patient.reconstruct, "--settings", settings, "-o", results / "v.nrrd"], capsys, results)
-    assert "s.json: there is no setting alhpa, perhaps alpha is meant." in line
-
-
-def test_a_volume_of_somebody_else_is_refused(patient, results, tmp_path, capsys):
-    Volume(np.zeros((2, 2, 2), np.uint8), np.eye(4)).write(tmp_path / "ct.nrrd")
-    line = refused([*patient.reconstruct, "--settings", tmp_path / "ct.nrrd", "-o", results / "v.nrrd"], capsys, results)
-    assert "ct.nrrd: this volume does not say how it was made. Give one that AIFRecon wrote" in line
-
-
-def test_settings_are_not_written_over_an_input_or_under_another_suffix(patient, results, capsys):
-    output = ["-o", results / "v.nrrd"]
-    assert "settings are written as .json or .toml" in refused(
-        [*patient.reconstruct, *output, "--save-settings", results / "s.txt"], capsys, results
-    )
-    missing = [*patient.reconstruct, *output, "--save-settings", results / "none" / "s.json"]
-    assert "does not exist" in refused(missing, capsys, results)
-    assert main([str(word) for word in [*patient.reconstruct, "-q", "--save-settings", results / "s.json", *output]]) == 0
-    assert main([str(word) for word in [*patient.reconstruct, "-q", "--settings", results / "v.nrrd", *output]]) == 2
-    assert "would overwrite an input" in capsys.readouterr().err

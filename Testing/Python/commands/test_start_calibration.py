@@ -44,26 +44,3 @@ def test_it_is_a_configuration_that_every_command_reads(tmp_path, capsys):
     assert "ImageToStylus was measured by hand" in read_plus_configuration(path).warnings[-1]
     write_calibrated(path, path.with_name("exact.xml"), TransformName("Image", "Stylus"), matrix, "a test")
     assert read_plus_configuration(path.with_name("exact.xml")).rough == ()
-
-
-@pytest.mark.parametrize(
-    ("more", "expected"),
-    [
-        (["--right", "z"], "two different axes"),
-        (["--right", "0,0.2,1"], "two different axes"),
-        (["--right", "0,0,0"], "right must be an axis of the marker"),
-        (["--right", "up"], "right must be an axis of the marker"),
-        (["--depth", "60", "440", "40"], "--depth must be mm, the row where they begin"),
-        (["--depth", "0", "4", "40"], "a size above 0 mm"),
-        (["--face-mm", "nan", "0", "0"], "finite"),
-        (["--tool", "my probe"], "--tool must be letters"),
-        (["--output", "p.tfm"], "ends with .xml"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_one_line(tmp_path, monkeypatch, capsys, more, expected):
-    monkeypatch.chdir(tmp_path)
-    assert main(["start-calibration", *GIVEN, "--output", "p.xml", *more]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert expected in error
-    assert not list(tmp_path.iterdir())

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from sweeps import rigid, turned_grid
 
-from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels, interspinous_border
+from AIFReconLib.evaluation.surface import bone_surface, distance_from_labels, interspinous_border
+from AIFReconLib.geometry.labels import centers_of_mass
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 

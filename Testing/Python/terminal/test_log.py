@@ -12,6 +12,7 @@ from files import write_patient
 from waiting import until
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.effective_settings import ReconstructorParts
 from AIFReconLib.live.session.insertion import Inserter
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.recipe.recipe import ReconstructionSettings
@@ -64,23 +65,6 @@ def test_a_log_is_continued(patient, tmp_path):
     assert (text.count(FIRST_WORDS), text.count("aifrecon reconstruct")) == (1, 2)
 
 
-def test_a_log_of_another_kind_of_file_is_refused_and_the_file_stays(patient, tmp_path, capsys):
-    other = tmp_path / "notes.txt"
-    other.write_text("do not lose me")
-    assert reconstruct(patient, tmp_path, "--log", other) == 2
-    assert "is no log" in capsys.readouterr().err
-    assert other.read_text() == "do not lose me"
-    assert not (tmp_path / "v.nrrd").exists()
-
-
-def test_a_log_that_cannot_be_written_is_one_clear_line(patient, tmp_path, capsys):
-    assert reconstruct(patient, tmp_path, "--log", tmp_path / "nowhere" / "log.txt") == 2
-    err = capsys.readouterr().err
-    assert err.count("\n") == 1
-    assert "nowhere" in err
-    assert "does not exist" in err
-
-
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits the size of files")
 def test_the_work_is_done_although_the_disk_no_longer_takes_the_log(patient, tmp_path):
     limited = (
@@ -115,7 +99,7 @@ def test_a_server_that_is_not_there_is_noted_for_every_attempt(caplog):
 
 
 def test_the_error_of_a_live_thread_is_noted_with_its_traceback(caplog):
-    inserter = Inserter(ReconstructionSettings(method="average"), None, 1.0, lambda result, imaging: result)
+    inserter = Inserter(ReconstructionSettings(method="average"), None, 1.0, lambda result, imaging: result, ReconstructorParts())
 
     def fail():
         raise ZeroDivisionError("as an engine might")

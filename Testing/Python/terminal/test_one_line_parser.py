@@ -64,11 +64,6 @@ def test_options_may_stand_between_files(patient, capsys):
     assert capsys.readouterr().out.count("To do so:") == 2
 
 
-def test_a_word_too_many_is_refused(patient, results, capsys):
-    assert main(["bone-map", str(patient.labels), "b.nrrd", "-o", str(results / "p.nrrd")]) == 2
-    assert "unrecognized arguments: b.nrrd" in capsys.readouterr().err
-
-
 def test_quiet_still_says_what_is_wrong(patient, results, capsys):
     assert main([*patient.reconstruct, "-q", "--reference", "Nowhere", "-o", str(results / "v.nrrd")]) == 2
     said = capsys.readouterr()
