@@ -34,6 +34,7 @@ def asControl() -> Spelling:
         "bone_probability": _("Bone of CT"),
         "bone_transform": _("Place CT on sweep"),
         "calibrate": _("Calibrate on this sweep"),
+        "config": _("Open recording, calibration, CT..."),
         "check": _("Calibrate on this sweep"),
         "ct": _("Bone from CT"),
         "grid_like": _("Like volume"),

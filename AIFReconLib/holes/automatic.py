@@ -83,7 +83,7 @@ def automatic_limit(poses: Matrix, shown: Mask, grid: VoxelGrid) -> tuple[float,
     # No more than the settings take, which voxels of centimeters would ask for
     most = min(max(FARTHEST, diagonal), LARGEST)
     limit = min(math.ceil(10 * max(diagonal, apart + diagonal / 2) - 1e-9) / 10, most)
-    notes = [f"Gaps are filled up to {limit:.3g} mm, chosen by how far apart the frames lie."]
+    notes = [f"Gaps between frames are filled up to {limit:.3g} mm."]
     if diagonal <= FARTHEST < apart + diagonal / 2:
         times = apart / (most - diagonal / 2)
         notes.append(

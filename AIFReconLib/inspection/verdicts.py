@@ -142,12 +142,11 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float]) -> Ve
     if not scanned:
         return Verdict(Level.POOR, "the sweep has hit no bone of the CT", "Scan over the bone, or place the CT on the sweep.")
     shares = listed([f"{name}: {share:.0%}" for name, share in scanned.items()])
-    found = f"expected to show: {shares}"
+    found = f"share of the bone that should show: {shares}"
     least = min(scanned.values())
     if least >= COVERED:
         return Verdict(Level.GOOD, found)
-    name = min(scanned, key=scanned.__getitem__)
-    return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, f"Scan {name} again, from other angles.")
+    return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, "Scan again from other angles; “More” says where.")
 
 
 def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:

@@ -196,8 +196,8 @@ class LabeledBone(Described):
             return [*lines, "Bone is taken from the sweep's own echoes, as the CT does not lie on them."]
         width = self.settings(method)["bone_sigma_mm"]
         if self._agreement() is None:
-            return [*lines, f"Bone is believed up to {width:g} mm beside the CT's, as CT and sweep were not compared."]
-        width_line = f"Bone is believed up to {width:g} mm beside the CT's: so far the echoes lie off it."
+            return [*lines, f"Up to {width:g} mm beside the CT's bone is taken for bone, as CT and sweep were not compared."]
+        width_line = f"The echoes lie up to {width:g} mm off the CT's bone; so far beside it bone is taken for bone."
         belief = self.settings(method).get("bone_belief", 1.0)
         if belief == 1.0:
             return [*lines, width_line]

@@ -117,7 +117,7 @@ class RecordedPanel(PanelPart):
         """Ask for files and read them all, whatever they are."""
         paths = self._ask()
         if paths:
-            failure = _("Not everything could be opened.")
+            failure = _("Nothing was opened.")
             self._run(_("Opening"), failure, lambda parameters, progress: self._logic.openFiles(parameters, paths, progress))
 
     def _ask(self) -> list:
@@ -125,7 +125,7 @@ class RecordedPanel(PanelPart):
         asked = " ".join(f"*{suffix}" for suffix in opened_suffixes())
         words = _("Recordings, calibrations, CT, segmentations ({suffixes})").format(suffixes=asked)
         folder = slicer.util.settingsValue(FOLDER_SETTING, "")
-        names = qt.QFileDialog.getOpenFileNames(self._ui.openButton, _("Open recording, CT, segmentation"), folder, words)
+        names = qt.QFileDialog.getOpenFileNames(self._ui.openButton, _("Open recording, calibration, CT"), folder, words)
         paths = [pathlib.Path(name) for name in names or ()]
         if paths:
             slicer.app.userSettings().setValue(FOLDER_SETTING, str(paths[0].parent))
@@ -284,7 +284,7 @@ def _enableButtons(ui, logic, parameters, waits: str, report: str) -> None:
     enable(ui.compareButton, waits or cannotCompare, _("Reconstruct with each method and show them side by side"))
     missing = readiness.withoutRepeating(cannot, ui.sweepStatusLabel.text)
     if not isOfNow(parameters):
-        report = _("The picture is of another sweep, CT or place of the CT: press “Reconstruct” again.")
+        report = _("Sweep, CT or its place are others than when this picture was made: press “Reconstruct” again.")
     text = "\n".join(line for line in (report, missing) if line)
     ui.statusLabel.visible = bool(text)
     say(ui.statusLabel, text)

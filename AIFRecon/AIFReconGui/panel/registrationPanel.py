@@ -71,6 +71,18 @@ class RegistrationPanel(PanelPart):
         ui.livePlaceButton.toolTip = missing or _("Move the CT onto the bone that this scan has shown so far")
         ui.undoPlaceButton.enabled = self._moves.canUndo
         self._echoes.setVisible(parameters.showEchoes)
+        self._tellAgreement(parameters)
+
+    def _tellAgreement(self, parameters) -> None:
+        """The number by which the light is judged, be it of a place or of what was reconstructed; words about another one go."""
+        verdicts, placed = self._logic.verdicts, None if self._placed is None else self._placed.agreement
+        if parameters.sweep is None:
+            self._gauge(placed, self._names())
+            return
+        isKnown = verdicts.of(parameters)["registration"].level.value != "unknown"
+        self._gauge(verdicts.agreement if isKnown else None, self._names())
+        if isKnown and placed is not None and verdicts.agreement is not None and verdicts.agreement is not placed:
+            self._say("")
 
     def forget(self) -> None:
         """Take the echoes out of the scene, and the words with them."""
@@ -79,7 +91,6 @@ class RegistrationPanel(PanelPart):
         if not self._ui.registrationLabel:  # destroyed: the application is being closed
             return
         self._say("")
-        self._gauge(None)
         self._offer([])
 
     def close(self) -> None:
@@ -180,7 +191,6 @@ class RegistrationPanel(PanelPart):
         self._placed, self._about, self._task, self._knownAt = placed, self._subject(parameters), None, None
         if parameters.sweep is not None:
             self._logic.verdicts.takeAgreement(parameters, placed.agreement, guessed)
-        self._gauge(placed.agreement, self._names())
         self._echoes.show(placed.points, placed.distances, parameters.showEchoes)
 
     def _look(self) -> None:

@@ -34,10 +34,12 @@ class SweepVerdicts:
     def __init__(self):
         self._known: dict[str, dict[tuple, Verdict]] = {}
         self._done, self._sought = None, {}
+        self.agreement = None
+        """Of CT and sweep, by which *Registration* was judged last."""
 
     def forget(self) -> None:
         """Nothing is known of any sweep."""
-        self._known, self._done = {}, None
+        self._known, self._done, self.agreement = {}, None, None
         self.cancelBeside()
 
     def of(self, parameters) -> dict[str, Verdict]:
@@ -65,7 +67,7 @@ class SweepVerdicts:
 
     def takeAgreement(self, parameters, agreement, guessed: str = "") -> None:
         """The `Agreement` of CT and sweep where the CT is now, whoever has asked for it; and what of its place was a guess."""
-        names = boneNames(parameters.bone, list(parameters.boneSegments))
+        self.agreement, names = agreement, boneNames(parameters.bone, list(parameters.boneSegments))
         self._tell(REGISTRATION, parameters, registration_verdict(agreement, names, guessed))
 
     @property
@@ -155,7 +157,8 @@ class SweepVerdicts:
             return unknown("known where CT and sweep agree")
         asked, known = _key(name, parameters), self._known.get(name, {})
         told = known.get(asked) or _keptWith(parameters.output, name, asked)
-        return told or unknown("something has changed: press “Reconstruct” again" if known else "known after “Reconstruct”")
+        first = "known after “Place CT on sweep” or “Reconstruct”" if name == REGISTRATION else "known after “Reconstruct”"
+        return told or unknown("something has changed: press “Reconstruct” again" if known else first)
 
 
 def isOfNow(parameters) -> bool:

@@ -148,7 +148,7 @@ def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap
     found = carry_out(surface.news(usable_cores()), progress)
     if found is None:
         raise GeometryError("No frame shows an echo of bone.", CHECK_PROBE_AND_CLIP)
-    return replace(found, notes=(f"Bone is the surface that {len(echoes):,} echoes of {len(np.unique(echoes.frames)):,} frames lie on.",))
+    return replace(found, notes=(f"Bone was found by {len(echoes):,} echoes in {len(np.unique(echoes.frames)):,} frames.",))
 
 
 class EchoSurface:

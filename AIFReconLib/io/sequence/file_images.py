@@ -128,6 +128,6 @@ def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
         others.append(1)  # no time axis: one frame
     frames, depth = others.pop() if others else 1, math.prod(others)
     if depth != 1:
-        hint = "If this is a recording of 2D frames, the last of its kinds must be list; if it is a volume, give it as one."
-        raise metafile.failure(f"its images are 3D ({columns} x {rows} x {depth}): frames must be 2D. {hint}")
+        hint = "Give the recording that it was made of; of a recording, the last of its kinds must be list."
+        raise metafile.failure(f"it is a volume of {columns} x {rows} x {depth} voxels; frames must be 2D. {hint}")
     return frames, rows, columns

@@ -32,6 +32,16 @@ def table(tmp_path):
     return tmp_path / "cases.csv"
 
 
+def test_what_failed_is_computed_again_where_that_is_asked(table, tmp_path, capsys):
+    sweep = tmp_path / "sweep.igs.mha"
+    sweep.write_bytes(sweep.read_bytes()[:-2000])
+    before = []
+    for options in ((), (), ("--retry-failed",)):
+        assert main(["batch", str(table), "--output", str(tmp_path / "results"), "--workers", "1", *options]) == 1
+        before += re.findall(r"\((\d) were before\)", capsys.readouterr().out)
+    assert before == ["0", "1", "0"]
+
+
 def test_a_run_ends_with_tables_and_a_page_and_ctrl_c_with_whole_cases(table, tmp_path):
     results = tmp_path / "results"
     with table.open("a") as file:

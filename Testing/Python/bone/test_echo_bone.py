@@ -226,7 +226,7 @@ def test_that_is_what_happens_where_nobody_has_said_how(patient, tmp_path, capsy
     asked = reconstructed(patient, tmp_path / "asked.nrrd", "--bone-from-sweep", "--method", "weighted")
     assert "No CT" not in capsys.readouterr().out
     np.testing.assert_array_equal(reconstructed(patient, tmp_path / "v.nrrd"), asked)
-    assert "No CT. Bone is the surface that" in capsys.readouterr().out
+    assert "No CT. Bone was found by" in capsys.readouterr().out
     again = reconstructed(patient, tmp_path / "again.nrrd", "--settings", str(tmp_path / "v.nrrd"))
     np.testing.assert_array_equal(again, asked)
     made = worker_reconstructs(ReconstructionJob(read_sequence(patient.sweep, config=patient.config)))

@@ -10,6 +10,7 @@ import pytest
 from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, spine, wrongly_calibrated
 from scipy.spatial.transform import Rotation
 
+from AIFReconLib import check_calibration
 from AIFReconLib.calibration import calibration, check
 from AIFReconLib.calibration.calibration import Calibration, calibrate_echoes, findings
 from AIFReconLib.calibration.check import mirrored, quarter_turns
@@ -166,6 +167,7 @@ def test_pixels_of_quite_another_size_are_told(true, monkeypatch):
     monkeypatch.setattr(check, "imaged_echoes", lambda *given: wide)
     monkeypatch.setattr(check, "repairs", lambda *given: [])
     finding = check.checked([], spine().labels, start(wide)).finding
+    assert finding.split(" wide")[0] in check_calibration([], spine().labels, start(wide))[0]
     assert re.fullmatch(r"pixels look 1(19|20|21)% as wide and (99|100|101)% as high as they are\.", finding), finding
 
 

@@ -31,7 +31,7 @@ def folder(tmp_path_factory):
         patch.setattr(demo, "FRAMES", 72)
         patch.setattr(demo, "SPACING", 1.5)
         patch.setattr(demo, "HOLE_LIMIT", 3.0)
-        assert main(["demo", "--output", str(folder)]) == 0
+        assert main(["demo", "--seed", "0", "--output", str(folder)]) == 0
     (folder / "printed.txt").write_text(printed.getvalue())
     return folder
 

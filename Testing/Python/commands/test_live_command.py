@@ -78,6 +78,12 @@ def test_a_live_scan_writes_the_volume_of_its_recording(serve, live, patient, re
     assert f"recorded 10 frames to {record}" in out
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have one address for themselves")
+def test_a_server_elsewhere_is_found_by_its_host(serve, live, results):
+    asked = live(serve(loop=True, host="127.0.0.2"), "--host", "127.0.0.2", "--tracker-frame", "Tracker", "--frames", "3")
+    assert main([*asked, "--output", str(results / "v.nrrd")]) == 0
+
+
 def test_a_recording_that_is_there_is_not_replaced_and_that_is_said_before_and_after(serve, live, results, capsys):
     older, output = results / "scan.igs.mha", results / "v.nrrd"
     older.write_bytes(b"precious")

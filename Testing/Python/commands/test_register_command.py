@@ -151,7 +151,7 @@ def test_a_start_that_leads_nowhere_is_exit_code_1_and_one_line_and_no_file(pati
 @pytest.mark.parametrize(
     ("transform", "words", "then"),
     [
-        ("right", "CT and sweep agree", "Bone is believed up to 1 mm beside the CT's"),
+        ("right", "CT and sweep agree", "The echoes lie up to 1 mm off the CT's bone"),
         ("wrong", "WARNING", "Bone is taken from the sweep's own echoes, as the CT does not lie on them."),
     ],
 )

@@ -283,7 +283,7 @@ def test_the_command_coverage_without_labels(sweep, tmp_path, capsys):
     command = ["coverage", str(recorded), "--config", str(config)]
     assert main([*command, "--report", str(report), "--surface", str(surface)]) == 0
     said = capsys.readouterr().out
-    assert "Bone is the surface that" in said
+    assert "Bone was found by" in said
     assert "interspinous" not in said
     written = json.loads(report.read_text("utf-8"))
     assert written["labels"] == {}

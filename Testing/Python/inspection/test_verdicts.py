@@ -77,7 +77,7 @@ def covered(**shares) -> Verdict:
 
 def test_coverage_is_as_good_as_the_worst_vertebra():
     assert [covered(L3=0.91, L4=low).level for low in (0.6, 0.59, 0.3, 0.29)] == [Level.GOOD, Level.LOOK, Level.LOOK, Level.POOR]
-    assert covered(L3=0.91, L4=0.62).finding == "expected to show: L3: 91%, L4: 62%"
+    assert covered(L3=0.91, L4=0.62).finding == "share of the bone that should show: L3: 91%, L4: 62%"
 
 
 def test_a_sweep_that_met_no_bone_is_poor():

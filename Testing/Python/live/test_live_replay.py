@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import threading
@@ -363,3 +364,22 @@ def test_the_command_says_what_it_serves_serves_it_and_ends_well_on_an_interrupt
     assert sends.startswith("Sends 6 frames at 200 frames/s: image Image_Reference (with its pose); transforms ProbeToTracker,")
     assert output.endswith("Stopped. Sent 6 frames to 1 client.\n")
     assert (process.returncode, errors) == (0, "")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have one address for themselves")
+@pytest.mark.parametrize(
+    ("options", "address", "version", "sent"),
+    [((), "127.0.0.1", 1, 5), (("--host", "127.0.0.2", "--header-version", "2", "--send-invalid"), "127.0.0.2", 2, 6)],
+)
+def test_the_command_serves_where_and_as_it_is_told(options, address, version, sent, tmp_path):
+    lost = write_patient(tmp_path, tracked_sequence(statuses={3: TransformStatus.OUT_OF_VIEW}))
+    command = [sys.executable, "-m", "AIFReconLib", "replay", str(lost.sweep), "--config", str(lost.config), "--port", "0", "--rate", "200"]
+    with subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True) as process:
+        port = int(process.stdout.readline().rstrip(".\n").split()[-1])
+        with OpenIGTLinkClient(address, port) as client:
+            transforms = Inbox(client).until(at_the_end).transforms("ProbeToTracker")
+        with socket.create_connection((address, port), DEADLINE) as raw:
+            header = raw.recv(2)
+        process.kill()
+    assert len(transforms) == sent
+    assert header == struct.pack(">H", version)
