@@ -88,11 +88,10 @@ def calibration_of_sweep(
     motion: PatientMotion | None,
     progress: Progress | None = None,
 ) -> Verdict:
-    """Whether the calibration agrees with the bone of a CT that lies on the sweep; what of `motion` is the patient's is taken out."""
-    from ..calibration.check import checked
+    """Whether the calibration agrees with the bone of a CT that lies on the sweep, from which `motion` was taken out."""
+    from ..workflows.register import calibration_by
 
-    seen = _as_seen(sequence, motion and motion.alone, recipe)
-    return calibration_verdict(checked(seen, labels, labels_to_reference, recipe=recipe, progress=progress))
+    return calibration_verdict(calibration_by(list(sequence.sweeps), labels, labels_to_reference, recipe, progress, motion=motion))
 
 
 def motion_of_sweep(job: ReconstructionJob, motion: PatientMotion | None, progress: Progress | None = None) -> Verdict:

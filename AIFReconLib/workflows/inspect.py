@@ -13,7 +13,6 @@ from ..geometry.labels import Labels
 from ..imaging.beams import LINEAR, SECTOR
 from ..inspection.diagnosis import SequenceReport, diagnose
 from ..message import Sentence
-from ..motion.motion import taken_out
 from ..progress import Progress
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..registration.labeled_bone import LabeledBone
@@ -68,6 +67,5 @@ def inspected(
     comparison = labeled.comparison()
     is_placed = comparison is None or comparison.agreement is None or comparison.agreement.enough
     lines = labeled.lines(planned.method) if method_named(planned.method).needs_bone else []
-    still = sequence if motion is None or not motion.applied else taken_out(sequence, motion.alone, recipe)
-    told = calibration_by([still], labeled.labels, placed, recipe).lines if is_placed else []
+    told = calibration_by([sequence], labeled.labels, placed, recipe, motion=motion).lines if is_placed else []
     return _InspectionOutput(diagnosis, planned, None, notes, (*labeled.labels.notes, *lines, *told), is_placed)

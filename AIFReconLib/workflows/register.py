@@ -13,12 +13,14 @@ from ..errors import AIFReconError, RegistrationRefused
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume
 from ..message import Sentence, message_of
+from ..motion.motion import PatientMotion, taken_out
 from ..progress import Progress
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, register
 from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
+from ..sweep.multi_sweep import joined
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,12 +124,18 @@ def calibration_by(
     recipe: Recipe,
     progress: Progress | None = None,
     known: SweepEchoes | None = None,
+    motion: PatientMotion | None = None,
 ) -> CalibrationCheck:
     """What the bone of a CT that lies on sweeps says of their calibration; that it cannot be told is no error.
 
-    `known` are echoes of the sweeps that were found already.
+    `known` are echoes of the sweeps that were found already. Where the sweeps as they were recorded cannot tell, what of a `motion` is the
+    patient's is taken out. Not before: it may stand for a part of what is wrong with the calibration.
     """
     try:
-        return checked(sequences, labels, np.eye(4) if placed is None else placed, recipe=recipe, progress=progress, known=known)
+        found = checked(sequences, labels, np.eye(4) if placed is None else placed, recipe=recipe, progress=progress, known=known)
     except AIFReconError as error:
-        return CalibrationCheck(None, Sentence(f"cannot be told. {message_of(error)}", error))
+        found = CalibrationCheck(None, Sentence(f"cannot be told. {message_of(error)}", error))
+    if found.agrees is not None or motion is None or not motion.applied:
+        return found
+    still = taken_out(joined(sequences, recipe), motion.alone, recipe)
+    return calibration_by([still], labels, placed, recipe, progress)

@@ -211,7 +211,7 @@ def _table(seen, names: dict) -> str:
     for name, share in rows:
         cells = (escape(name), *map(_percent, (share.met, share.below_45_deg, share.expected_visibility)))
         lines.append("".join(f"<td align='{_side(n)}'>{cell}</td>" for n, cell in enumerate(cells)))
-    return f"<table width='100%' cellspacing='0' cellpadding='2'>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+    return f"<table width='100%' cellspacing='0' cellpadding='4'>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
 
 
 def _side(column: int) -> str:

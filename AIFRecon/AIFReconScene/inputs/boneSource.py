@@ -80,7 +80,7 @@ def describeBone(parameters, live: bool = False) -> str:
     if source != BoneSource.CT:
         return whyNoBone(parameters, live)
     averaged = _("No bone selected: the scan is averaged, and bone is not enhanced.")
-    none = averaged if live else _("No bone selected: bone is what the echoes of the sweep show by themselves, if any.")
+    none = averaged if live else _("Without the bone of a CT the echoes of the sweep tell where bone is, if they show any.")
     if lacksBoneOfCT(parameters):
         named = _(" TotalSegmentator is installed: it names each vertebra.") if hasattr(slicer.modules, "totalsegmentator") else ""
         return none + _(" “Bone from CT” finds that of the CT.") + named

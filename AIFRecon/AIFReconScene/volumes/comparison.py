@@ -15,6 +15,9 @@ from ..sceneNodes import removeNodes
 from ..work import inWorker
 from .volumeNodes import COMPARED_ROLE, giveName, hasGivenName, intoFolder, outputNodes
 
+BETTER = {"most": " \N{UPWARDS ARROW}", "least": " \N{DOWNWARDS ARROW}"}
+"""Behind a heading: which way is better."""
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -108,7 +111,8 @@ def updateMetricsTable(tableNode, metrics: dict) -> None:
     with slicer.util.NodeModify(tableNode):
         tableNode.RemoveAllColumns()
         tableNode.AddColumn(names)
-        for key, heading in HEADINGS.items():
+        for key, name in HEADINGS.items():
+            heading = f"{name}{BETTER.get(QUANTITIES[key].best, '')}"
             column = vtk.vtkDoubleArray()
             column.SetName(heading)
             for row in rows.values():

@@ -59,7 +59,8 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> tuple:
                 _openOther(parameters, kind, path, share)
         if sweeps:
             parameters.sweep, parameters.otherSweeps = sweeps[0], sweeps[1:]
-        lies = [*_goesWith(parameters, sweeps, [kind for kind, _path in ordered]), *_placeCT(parameters)]
+        goesWith = _goesWith(parameters, [kind for kind, _path in ordered]) if sweeps and before is None else []
+        lies = [*goesWith, *_placeCT(parameters)]
     done = [_("Opened {names}.").format(names=", ".join(path.name for path in paths)), *lies]
     if before is not None:
         done.append(_("The recording was read again with this calibration."))
@@ -73,14 +74,14 @@ def replaceSweep(before, sweep) -> None:
     sweep.SetName(name)
 
 
-def _goesWith(parameters, sweeps, kinds) -> list[str]:
+def _goesWith(parameters, kinds) -> list[str]:
     """What a recording is taken with that was opened before it: that may be another patient's."""
     before = (
         (_("the calibration {name}"), CONFIGURATION, parameters.configurationPath.name),
         (_("the CT {name}"), VOLUME, parameters.ctVolume.GetName() if parameters.ctVolume is not None else ""),
     )
     found = [words.format(name=name) for words, kind, name in before if name and kind not in kinds]
-    return [_("It goes with {names}.").format(names=_(" and ").join(found))] if sweeps and found else []
+    return [_("It goes with {names}.").format(names=_(" and ").join(found))] if found else []
 
 
 def isReadAnew(parameters, kinds) -> bool:

@@ -29,9 +29,10 @@ def test_the_table_has_the_columns_and_digits_of_the_command_line_and_can_be_fil
     node = scene.AddNewNodeByClass("vtkMRMLTableNode", "Metrics")
     updateMetricsTable(node, {"average": METRICS, "weighted": METRICS})
     table = node.GetTable()
-    assert [table.GetColumnName(index) for index in range(node.GetNumberOfColumns())] == ["volume", *HEADINGS.values()]
-    assert isinstance(table.GetColumnByName("CNR"), vtk.vtkDoubleArray)
-    assert (table.GetColumnByName("CNR").GetValue(0), table.GetColumnByName("coverage").GetValue(1)) == (2.35, 0.457)
+    names = [table.GetColumnName(index) for index in range(node.GetNumberOfColumns())]
+    assert [name.rstrip(" \u2191\u2193") for name in names] == ["volume", *HEADINGS.values()]
+    assert isinstance(table.GetColumnByName("CNR \u2191"), vtk.vtkDoubleArray)
+    assert (table.GetColumnByName("CNR \u2191").GetValue(0), table.GetColumnByName("coverage \u2191").GetValue(1)) == (2.35, 0.457)
     updateMetricsTable(node, {"aif": METRICS})
     assert (node.GetNumberOfRows(), node.GetNumberOfColumns()) == (1, 1 + len(HEADINGS))
 
