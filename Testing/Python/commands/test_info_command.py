@@ -38,7 +38,7 @@ def test_the_command_that_is_given_makes_the_volume_that_was_announced(patient, 
 def test_box_voxels_memory_and_command_are_printed(patient, capsys):
     assert main(["info", str(patient.sweep), "--config", str(patient.config)]) == 0
     said = capsys.readouterr().out
-    for word in ("box:", "voxels:", "memory:", "Gaps are filled up to", "reconstruct "):
+    for word in ("box:", "voxels:", "memory:", "Gaps between frames are filled up to", "reconstruct "):
         assert word in said
 
 
