@@ -137,18 +137,6 @@ def test_surface_is_the_gradient_of_the_smoothed_labels():
     np.testing.assert_allclose(found[clear], directions_by_recipe(smooth, OBLIQUE)[clear], atol=1e-3)
 
 
-def test_surface_directions_reach_as_far_whatever_the_width_of_the_probability():
-    labels = block((40, 40, 40), (17, 17, 17), (6, 6, 6))
-    grid = VoxelGrid((40, 40, 40), scaled(0.9, 0.7, 0.8))
-    wide, narrow = (
-        BoneMap.from_labels(Volume(labels, grid.ijk_to_reference), sigma_mm=sigma).on_grid(grid, "surface").directions_reference
-        for sigma in (4.0, 0.5)
-    )
-    reached = np.linalg.norm(wide, axis=-1) > 0
-    assert reached[20, 20, [8, 31]].all()
-    np.testing.assert_allclose(narrow[reached], wide[reached], atol=1e-5)
-
-
 def test_surface_directions_do_not_depend_on_the_shape_of_the_voxels():
     """A tilted plane through voxels of 0.5 x 0.7 x 1.6 mm faces the way it does."""
     normal = np.array([0.6, 0.0, 0.8])
@@ -264,21 +252,6 @@ def test_a_map_says_the_same_at_some_voxels_as_on_all(by_scipy, turn, spacing, s
     expected, facing = everywhere.at(voxels)
     np.testing.assert_array_equal(found, expected)
     np.testing.assert_array_equal(directions, np.where(expected[:, None] > 0, facing, 0))
-
-
-def test_reading_a_map_at_some_voxels_takes_no_memory_for_the_others():
-    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0)
-    # As arrays these would be 16 GB
-    placed = bone_map.at_voxels(VoxelGrid((1000, 1000, 1000), scaled(0.1, 0.1, 0.1)))
-    assert placed.overlaps
-    assert placed.at(np.array([0, 999_999_999]))[0].shape == (2,)
-
-
-def test_values_fall_to_0_within_one_voxel_of_the_border_of_the_map():
-    bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), np.eye(4)))
-    fine = VoxelGrid((36, 32, 28), rigid((0, 0, 0), (-2, -2, -2)) @ scaled(0.25, 0.25, 0.25))
-    expected = sampled_by_scipy(bone_map.probability.array, bone_map.probability.grid, fine, 1)
-    np.testing.assert_allclose(bone_map.on_grid(fine).probability, expected, atol=1e-6)
 
 
 # ---- progress

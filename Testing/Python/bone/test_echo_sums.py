@@ -186,13 +186,3 @@ def test_news_of_a_box_are_those_of_the_whole_there_and_nothing_beyond():
     np.testing.assert_allclose(news.probability.array, whole.probability.array[k, j, i], atol=1e-5)
     surface.add(SweepEchoes(parts[0].points + 500.0, parts[0].beams, parts[0].scores, parts[0].frames))
     assert carry_out(surface.news(within=(middle - 8.0, middle + 8.0))) is None
-
-
-def test_what_is_kept_does_not_grow_with_a_scan_that_stays_where_it_is():
-    parts = echoes_of(PlaneSweep(count=4))
-    surface = Told(parts).surface
-    kept = surface._shown.cubes.size, surface._crossed.cubes.size
-    for part in parts:
-        surface.add(part)
-    carry_out(surface.news())
-    assert (surface._shown.cubes.size, surface._crossed.cubes.size) == kept

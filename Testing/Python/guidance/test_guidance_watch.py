@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from dataclasses import replace
 
@@ -16,7 +15,6 @@ from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.bone_coverage import CoverageAccumulator, FrameGeometry
-from AIFReconLib.guidance.candidates import Candidates
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX
 from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
@@ -107,24 +105,6 @@ def test_a_next_move_leads_to_places_that_were_not_seen(watching, frames):
     assert until(lambda: len(watch._mets) == 2 and watch._mets[1].frames.any() and not watch._again)
 
 
-def test_a_next_move_comes_before_passes_were_looked_at_again(watching, frames, monkeypatch):
-    enough, look_once = threading.Event(), Candidates.look_again
-
-    def look_again(candidates):
-        while candidates._seen and not enough.is_set():
-            yield 0.5, ""
-        yield from look_once(candidates)
-
-    monkeypatch.setattr(Candidates, "look_again", look_again)
-    session, watch = watching()
-    show(session, watch, frames)
-    advised = until(lambda: watch._advisor is not None)
-    session.latest = replace(frames[0], number=9)
-    advised = advised and until(lambda: watch.state.advice is not None)
-    enough.set()
-    assert advised
-
-
 def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(watching, frames):
     session, watch = watching()
     show(session, watch, frames[:3])
@@ -175,9 +155,3 @@ def test_bone_that_lies_awry_is_told_from_where_the_first_frame_looks(watching, 
     assert until(lambda: watch.state.coverage is not None)
     front = watch._bone.patient_to_reference[:3, 1]
     assert front @ frames[0].image_to_reference[:3, 1] > 0
-
-
-def test_a_watch_that_is_stopped_works_no_more(watching):
-    _session, watch = watching()
-    watch.stop()
-    assert watch._running.done()

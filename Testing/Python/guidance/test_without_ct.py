@@ -19,12 +19,12 @@ from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.guidance.bone import GuidedBone, bone_of_echoes
-from AIFReconLib.guidance.bone_coverage import CoverageAccumulator, FrameGeometry
+from AIFReconLib.guidance.bone_coverage import CoverageAccumulator
 from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.coverage import covered, unrefuted
 from AIFReconLib.guidance.guidance import Advisor, guidance_of_sweep
 from AIFReconLib.guidance.mesh import ASLANT, NOT_MET, SQUARELY, TILE, ColoredBone
-from AIFReconLib.guidance.next_move import HERE, IMAGE, TO_LEFT, TO_RIGHT, TURN, UP, directions
+from AIFReconLib.guidance.next_move import IMAGE, TURN, directions
 from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
@@ -231,12 +231,6 @@ def test_a_tilt_is_told_by_where_the_beam_turns_to_in_the_image(now_deg, there_d
     assert last.arrow == {words: arrow for arrow, words in IMAGE}[str(last.words).split(" more ")[1]]
 
 
-def test_where_nothing_is_left_to_be_done_one_sweeps_on():
-    (step,) = directions(ProbePlacement(0.0, 0.0, 180.0), ProbePlacement(0.0, 0.0), knows_head=False)
-    assert step.arrow == HERE
-    assert {arrow for arrow, _ in IMAGE} >= {TO_LEFT, TO_RIGHT, UP}
-
-
 # A sweep, and a scan
 
 
@@ -351,29 +345,6 @@ def test_a_scan_tells_of_bone_that_grows_and_where_to_go(watching):
     assert until(lambda: watch.state.advice is not None)
     levels = watch.state.levels
     assert {SQUARELY, NOT_MET} <= set(levels)
-
-
-def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
-    """Also those that came while the surface was told anew."""
-    session, growing, watch = watching
-    growing.learn(shaft())
-    carry_out(growing.spread())
-    show(session, watch, range(18))
-    assert until(lambda: bool(watch._mets))
-    monkeypatch.setattr(guidance_watch, "RENEW_EVERY", 1e6)
-
-    show(session, watch, range(18, 20))
-
-    def same() -> bool:
-        met, poses = watch._mets[0], list(watch._poses)
-        if watch._again or watch._ahead is not None:
-            return False
-        expected = CoverageAccumulator(FrameGeometry(met.bone, IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
-        for pose in poses:
-            expected.insert(pose)
-        return bool(np.array_equal(expected.frames, met.frames))
-
-    assert until(same)
 
 
 def test_a_ct_that_is_chosen_in_mid_scan_takes_over(watching):

@@ -51,22 +51,6 @@ def test_any_exception_leaves_the_older_file_and_nothing_else(tmp_path, exceptio
     assert content_of(tmp_path) == {"a.txt": "old"}
 
 
-def test_files_that_belong_together_appear_together_the_header_last(tmp_path, monkeypatch):
-    renamed = []
-    replace = os.replace
-    monkeypatch.setattr(os, "replace", lambda source, target: (renamed.append(target.name), replace(source, target)))
-    with atomic_outputs(tmp_path / "a.raw", tmp_path / "a.mhd") as (data, header):
-        data.write_text("data", encoding="utf-8")
-        header.write_text("ElementDataFile = a.raw\n", encoding="utf-8")
-        assert data.parent == header.parent
-    assert content_of(tmp_path) == {"a.raw": "data", "a.mhd": "ElementDataFile = a.raw\n"}
-    assert renamed == ["a.raw", "a.mhd"]
-    # A companion that was not written is left out
-    with atomic_outputs(tmp_path / "b.zraw", tmp_path / "b.mhd") as (_, header):
-        header.touch()
-    assert sorted(content_of(tmp_path)) == ["a.mhd", "a.raw", "b.mhd"]
-
-
 def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
     write_text(tmp_path / "a.mhd", "old")
     refused = pytest.raises(OutputError, match=r"a\.mhd: the file did not come about\. Try again")

@@ -16,7 +16,6 @@ from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.predicted_bone import PointsOfFrames, bone_from_frames
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.bone.recorded_predictions import RecordedPredictions
-from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -108,17 +107,6 @@ def test_what_is_learned_while_the_map_is_drawn_comes_with_the_next_news():
     assert not late
     assert carry_out(bone.spread())
     np.testing.assert_allclose(placed.probability, whole().on_grid(GRID).probability, atol=0.03)
-
-
-def test_what_is_known_is_told_once_to_each_volume_that_begins_and_nothing_known_is_no_mistake():
-    bone = GrowingBone()
-    assert not bone.on_grid(GRID).probability.any()
-    assert Reconstructor(GRID, ReconstructionSettings(method="weighted"), bone, probe=IMAGING.probe).notes == []
-    learn(bone, range(6))
-    assert (carry_out(bone.spread()), carry_out(bone.spread())) == (True, False)
-    again = bone.on_grid(OBLIQUE)
-    assert carry_out(bone.spread())
-    np.testing.assert_allclose(again.probability, whole().on_grid(OBLIQUE).probability, atol=1e-5)
 
 
 # A scan

@@ -461,23 +461,6 @@ def test_what_comes_no_more_is_told_with_how_long_ago_it_came(image_age, pose_ag
         assert (stopped is None) if not age else stopped == pytest.approx(age, abs=20.0)
 
 
-def test_whoever_waits_for_a_rest_wakes_when_no_frame_waits_any_more(session_of, monkeypatch):
-    opened, insert, seen = threading.Event(), Reconstructor.insert, []
-    session = session_of(streamed(tracked_sequence()))
-    session.prepare(LONG)
-    assert session.wait_for_rest(0.001)  # nothing has come yet
-    monkeypatch.setattr(Reconstructor, "insert", lambda self, frame: (opened.wait(LONG), insert(self, frame)))
-    waiting = threading.Thread(target=lambda: (session.wait_for_rest(LONG), seen.append(session.statistics)))
-    waiting.start()
-    session.start()
-    wait_for(lambda: session.statistics.frames_received == 6)
-    assert not session.wait_for_rest(0.0)
-    assert not seen
-    opened.set()
-    waiting.join(LONG)
-    assert (seen[0].waiting, seen[0].inserted) == (0, 6)
-
-
 def test_trouble_of_the_stream_is_told(session_of):
     session = session_of([StreamEvent("stalled", "Nothing has arrived for 2 s.", 0.0)])
     session.start()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import textwrap
 
 import numpy as np
@@ -103,7 +102,3 @@ def test_a_recording_and_a_volume_are_told_apart_by_their_headers(tmp_path):
     assert kind_of(volume) == VOLUME
     with pytest.raises(SequenceFormatError):
         kind_of(tmp_path / "sweep.txt")
-
-
-def test_no_configuration_is_none_in_another_process_too():
-    assert pickle.loads(pickle.dumps(NO_CONFIGURATION)) is NO_CONFIGURATION
