@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from files import tracked_sequence, write_patient
-from igtl_streams import recorded
+from igtl_streams import recorded, wait_for
 from live_messages import SMALL, image, streamed, tracked
 from sweeps import rigid, sphere_bone
 
@@ -86,13 +86,6 @@ def run(session):
     """Everything that is in the queue, to the end."""
     session.start()
     return session.finish()
-
-
-def wait_for(condition):
-    deadline = time.monotonic() + LONG
-    while not condition():
-        assert time.monotonic() < deadline, "it never happened"
-        time.sleep(0.005)
 
 
 def insert_all(session, count=6):
