@@ -26,17 +26,6 @@ def fail_with(code: int):
     return fail
 
 
-@pytest.mark.parametrize("name", ["volume.nii.gz", "sweep.igs.mha"])
-def test_the_file_appears_when_the_block_ends_and_has_the_same_name_before(tmp_path, name):
-    with atomic_output(tmp_path / name) as temporary:
-        write_text(temporary, "ä\n")
-        assert temporary.name == name
-        assert temporary.parent.parent == tmp_path
-        assert not (tmp_path / name).exists()
-    assert [path.name for path in tmp_path.iterdir()] == [name]
-    assert (tmp_path / name).read_bytes() == b"\xc3\xa4\n"
-
-
 @pytest.mark.parametrize("exception", [RuntimeError, KeyboardInterrupt, SystemExit])
 def test_any_exception_leaves_the_older_file_and_nothing_else(tmp_path, exception):
     write_text(tmp_path / "a.txt", "old")

@@ -12,7 +12,6 @@ import pytest
 from dicom_samples import write_dicom
 
 from AIFReconLib.errors import FileFormatError
-from AIFReconLib.io.foreign.images import flipped
 from AIFReconLib.io.foreign.openers import open_images
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (11, 12, 17), dtype=np.uint8)
@@ -224,11 +223,6 @@ def test_a_package_that_is_missing_is_named_with_the_way_to_get_it(tmp_path, mon
     (tmp_path / name).write_bytes(b"x")
     with pytest.raises(FileFormatError, match=rf"without the Python package {distribution}\. .*pip install {distribution}\.$"):
         open_images([tmp_path / name])
-
-
-@pytest.mark.parametrize(("code", "flip"), [("MF", np.s_[:, :]), ("UF", np.s_[:, ::-1]), ("MN", np.s_[::-1]), ("UN", np.s_[::-1, ::-1])])
-def test_images_are_turned_to_marked_far(code, flip):
-    np.testing.assert_array_equal(flipped(FRAMES, code)[3], FRAMES[3][flip])
 
 
 # ---- small files that ask for hours and gigabytes

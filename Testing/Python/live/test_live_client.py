@@ -19,7 +19,6 @@ from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.connection import open_connection
 from AIFReconLib.live.wire.encoding import encode_status_request
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
-from AIFReconLib.live.wire.sources import QueueSource
 
 QUICK = {"retry_delays": (0.02,), "stall_after": 30.0}
 
@@ -310,13 +309,3 @@ def test_a_slow_consumer_loses_the_oldest_messages_and_is_told_how_many(server, 
     taken = [each.timestamp for each in inbox.messages if not isinstance(each, StreamEvent)]
     assert taken == list(range(40 - kept, 40))
     assert inbox.events("dropped")[0].detail.startswith(f"{40 - kept} messages were left out")
-
-
-def test_texts_that_wait_are_limited_in_bytes_too_and_what_comes_after_the_end_is_told_apart():
-    queue = QueueSource(100, 1000)
-    for n in range(10):
-        queue.put(TransformMessage(f"T{n}", 0.0, np.eye(4), metadata={"Note": "x" * 300}))
-    assert (queue.statistics.dropped, queue.statistics.late) == (7, 0)
-    queue.stop()
-    queue.put(TransformMessage("T", 3.0, np.eye(4)))
-    assert (queue.statistics.dropped, queue.statistics.late) == (8, 1)
