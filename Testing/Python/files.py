@@ -93,6 +93,15 @@ def write_patient(folder: Path, sequence: TrackedSequence | None = None, compres
     return patient
 
 
+def write_patient_with_bone(folder: Path, echo: int = 240) -> Patient:
+    """A patient in a new folder, whose images show tissue, an echo of this gray level in rows 19 and 20, and next to nothing below."""
+    folder.mkdir()
+    images = np.random.default_rng(0).integers(20, 60, (6, ROWS, COLUMNS), dtype=np.uint8)
+    images[:, 21:] //= 20
+    images[:, 19:21] = echo
+    return write_patient(folder, tracked_sequence(images=images))
+
+
 def refused(arguments, capsys, folder):
     """Run a command that must fail: exit code 2, one line on stderr, nothing written. Returns the line."""
     code = main([str(argument) for argument in arguments])

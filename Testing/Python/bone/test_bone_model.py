@@ -11,6 +11,7 @@ import pytest
 pytest.importorskip("onnxruntime")
 pytest.importorskip("onnx")
 
+from files import refused, write_patient_with_bone
 from onnx import helper
 from onnx_models import echo_score, graph_of, saved, scaling
 from seen_planes import IMAGING, PlaneSweep
@@ -182,13 +183,8 @@ def test_the_network_that_is_trained_on_simulated_frames_knows_an_echo_over_dark
 
 
 def test_the_command_takes_a_model_and_refuses_what_is_none(tmp_path, capsys):
-    from files import refused, tracked_sequence, write_patient
-
-    (tmp_path / "inputs").mkdir()
     (tmp_path / "results").mkdir()
-    images = np.random.default_rng(0).integers(40, 90, (6, 30, 40), dtype=np.uint8)
-    images[:, 21:] //= 20
-    patient = write_patient(tmp_path / "inputs", tracked_sequence(images=images))
+    patient = write_patient_with_bone(tmp_path / "inputs")
     path = model_in(tmp_path / "inputs", scaling(20.0, -5.0))
     command = [*patient.reconstruct, "--engine", "numpy", "--bone-model", str(path), "--output", str(tmp_path / "results" / "v.nrrd")]
     assert main(command) == 0
