@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+
+from waiting import until
 
 from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.guidance.probe import ProbeImages
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
+from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 
 IMAGES = ProbeImages.simulated()
 
@@ -26,3 +31,10 @@ class IdleSession:
         """There is always time."""
         time.sleep(0.001)
         return True
+
+
+def show(session: IdleSession, watch: GuidanceWatch, frames: Iterable[LiveFrame]) -> None:
+    """These frames, each until the watch has looked at it."""
+    for frame in frames:
+        session.latest = frame
+        assert until(lambda number=frame.number: watch.looked_at == number)

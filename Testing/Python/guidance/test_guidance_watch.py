@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from idle_session import IMAGES, IdleSession
+from idle_session import IMAGES, show
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
@@ -19,7 +18,6 @@ from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX
 from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
-from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 
 MOVED = rigid(translation=(0.0, 3.0, 12.0))
 
@@ -31,31 +29,6 @@ def frames():
     poses = [on.pose(ProbePlacement(x, 0.0, 90.0, tilt)) for tilt in (-30.0, 30.0) for x in (-6.0, 0.0, 6.0)]
     image = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
     return [LiveFrame(image, pose, timestamp=0.1 * n, number=n) for n, pose in enumerate(poses)]
-
-
-@pytest.fixture
-def watching(monkeypatch):
-    """Makes watches that tell everything at once."""
-    for name in ("TELL_EVERY", "ADVISE_EVERY", "SKIN_AFTER"):
-        monkeypatch.setattr(guidance_watch, name, 0)
-    watches = []
-
-    def watch(**more):
-        session = IdleSession()
-        watches.append(GuidanceWatch(session, two_vertebrae(), np.eye(4), **more))
-        return session, watches[-1]
-
-    yield watch
-    for one in watches:
-        one.stop()
-
-
-def show(session, watch, frames) -> None:
-    assert until(lambda: watch._bone is not None)
-    for frame in frames:
-        session.latest = frame
-        while watch._last is not frame:
-            time.sleep(0.001)
 
 
 def of(frames, place=None):

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from idle_session import IMAGES, IdleSession
+from idle_session import IMAGES, show
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
@@ -29,8 +29,7 @@ from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
-from AIFReconLib.live.session import guidance_watch
-from AIFReconLib.live.session.guidance_watch import NOTHING_YET, GuidanceWatch
+from AIFReconLib.live.session.guidance_watch import NOTHING_YET
 from AIFReconLib.progress import carry_out
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -300,21 +299,8 @@ def test_a_sweep_without_bone_is_a_sentence():
 LIT = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
 
 
-@pytest.fixture
-def watching(monkeypatch):
-    """A watch of bone that grows, which tells everything at once."""
-    for name in ("TELL_EVERY", "ADVISE_EVERY", "SKIN_AFTER", "RENEW_EVERY"):
-        monkeypatch.setattr(guidance_watch, name, 0)
-    session, growing = IdleSession(), GrowingBone()
-    watch = GuidanceWatch(session, growing)
-    yield session, growing, watch
-    watch.stop()
-
-
-def show(session, watch, numbers) -> None:
-    for number in numbers:
-        session.latest = LiveFrame(LIT, above(z=number - 10.0), timestamp=0.1 * number, number=number)
-        assert until(lambda: watch.looked_at == session.latest.number)
+def frames(numbers) -> list[LiveFrame]:
+    return [LiveFrame(LIT, above(z=number - 10.0), timestamp=0.1 * number, number=number) for number in numbers]
 
 
 def known_area(state) -> float:
@@ -323,21 +309,22 @@ def known_area(state) -> float:
 
 
 def test_a_scan_tells_of_bone_that_grows_and_where_to_go(watching):
-    session, growing, watch = watching
+    growing = GrowingBone()
+    session, watch = watching(growing)
     assert watch.prepared.is_set()
-    show(session, watch, range(3))
+    show(session, watch, frames(range(3)))
     assert watch.state.problem == NOTHING_YET
     half = shaft()
     growing.learn(half[half.points[:, 2] < 0])
     carry_out(growing.spread())
-    show(session, watch, range(3, 12))
+    show(session, watch, frames(range(3, 12)))
     assert until(lambda: watch.state.coverage is not None)
     first = watch.state
     growing.learn(half[half.points[:, 2] >= 0])
     carry_out(growing.spread())
 
     def grown() -> bool:
-        show(session, watch, [session.latest.number + 1])
+        show(session, watch, frames([session.latest.number + 1]))
         return known_area(watch.state) > 1.5 * known_area(first)
 
     assert until(grown)
@@ -348,13 +335,14 @@ def test_a_scan_tells_of_bone_that_grows_and_where_to_go(watching):
 
 
 def test_a_ct_that_is_chosen_in_mid_scan_takes_over(watching):
-    session, growing, watch = watching
+    growing = GrowingBone()
+    session, watch = watching(growing)
     growing.learn(shaft())
     carry_out(growing.spread())
-    show(session, watch, range(5))
+    show(session, watch, frames(range(5)))
     assert until(lambda: watch._bone is not None)
     labels: Volume = two_vertebrae()
     watch.place(np.eye(4), labels)
     assert until(lambda: watch._bone is not None and watch._bone.is_of_ct)
-    show(session, watch, range(6, 9))
+    show(session, watch, frames(range(6, 9)))
     assert until(lambda: watch.state.coverage is not None and watch.state.coverage.by_label)
