@@ -13,17 +13,14 @@ pytest.importorskip("onnx")
 
 from files import refused, write_patient_with_bone
 from onnx import helper
-from onnx_models import echo_score, graph_of, saved, scaling
-from seen_planes import IMAGING, PlaneSweep
+from onnx_models import graph_of, saved, scaling
+from seen_planes import PlaneSweep
 
-from AIFReconLib.bone.echoes.finder import BoneEchoFinder
 from AIFReconLib.bone.network.model import OnnxModel
-from AIFReconLib.bone.scan_line_reader import ScanLineReader
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.sweep.frames import TrackedFrame
 
-SWEEP = PlaneSweep(count=4)
 GRAY = np.random.default_rng(0).integers(0, 256, (48, 40), dtype=np.uint8)
 
 
@@ -39,17 +36,6 @@ def answer(path, image=GRAY):
 
 
 # What goes in and comes out
-
-
-def test_the_rule_for_echoes_as_a_graph_gives_its_score_to_the_fourth_digit(tmp_path):
-    spacing = (0.6, 0.25)
-    rows, columns = SWEEP.images.shape[1:]
-    path = model_in(tmp_path, echo_score(rows, columns, spacing), std=1 / 255, output="probability")
-    image = SWEEP.images[1]
-    finder = BoneEchoFinder((columns, rows), spacing, IMAGING)
-    score = finder.look(ScanLineReader((columns, rows), spacing, IMAGING).read(image))[1]
-    np.testing.assert_allclose(answer(path, image), np.maximum(score.T, 0), atol=1e-4)
-    assert score.max() > 0.5
 
 
 def test_gray_levels_go_in_as_fractions_of_white_less_mean_over_std(tmp_path):
