@@ -123,13 +123,10 @@ def own_method(intensity, cosine, reach):
     return 0.1 + cosine * reach, intensity
 
 
-IMPORTANCE = np.linspace(0, 1, 40, dtype=np.float32)[None].repeat(30, axis=0)
 UNTRACKED = {1: TransformStatus.OUT_OF_VIEW, 4: TransformStatus.MISSING}
 CASES: list[tuple[dict[str, object], dict[int, TransformStatus]]] = [
     *(({"method": method, "output_type": "float32", "hole_limit": 2.0}, {}) for method in (*METHODS, own_method.name)),
     ({}, UNTRACKED),
-    ({"skip": 2}, {}),
-    ({"method": "average", "output_type": "float32", "importance_mask": IMPORTANCE}, {}),
 ]
 
 
