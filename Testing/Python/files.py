@@ -76,6 +76,13 @@ def tracked_sequence(count=6, seed=0, statuses=None, images=None, matrices=None)
     return TrackedSequence(images, records)
 
 
+def write_configuration(path: Path, attributes: str = "", holes: str = "", spacing: str = "1 1 1") -> Path:
+    """The patient's Plus configuration, with more attributes of its VolumeReconstruction and elements of its HoleFilling."""
+    text = CONFIGURATION.format(matrix=" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())), spacing=spacing)
+    path.write_text(text.replace('" />\n</Plus', f'" {attributes}><HoleFilling>{holes}</HoleFilling></VolumeReconstruction>\n</Plus'))
+    return path
+
+
 def write_patient(folder: Path, sequence: TrackedSequence | None = None, compress: bool = True, spacing: str = "1 1 1") -> Patient:
     """Write all files of a patient into `folder`."""
     sequence = sequence or tracked_sequence()
@@ -83,7 +90,7 @@ def write_patient(folder: Path, sequence: TrackedSequence | None = None, compres
         folder / "sweep.igs.mha", folder / "PlusDeviceSet.xml", folder / "labels.nrrd", folder / "CTToReference.tfm", sequence
     )
     write_sequence(sequence, patient.sweep, compress=compress)
-    patient.config.write_text(CONFIGURATION.format(matrix=" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())), spacing=spacing))
+    write_configuration(patient.config, spacing=spacing)
     inside = sphere_bone(center=(0.0, 0.0, 0.0)).inside
     assert inside is not None
     labels = np.pad(inside.array, 3)

@@ -6,32 +6,13 @@ from math import exp
 
 import numpy as np
 import pytest
-from seen_planes import IMAGING, PlaneSweep
+from seen_planes import bent
 
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.surface import EchoSurface, surface_of
-from AIFReconLib.bone.predicted_bone import PointsOfFrames
-from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.progress import carry_out
-from AIFReconLib.sweep.frames import TrackedFrame
-
-
-def echoes_of(sweep: PlaneSweep) -> list[SweepEchoes]:
-    points, said = PointsOfFrames(IMAGING), sweep.predictions()
-    frames = [TrackedFrame(image, pose, number=n) for n, (image, pose) in enumerate(zip(sweep.images, sweep.poses))]
-    return [points.of(frame, Prediction(said[frame.number])) for frame in frames]
-
-
-def bent(count=90, seed=0) -> SweepEchoes:
-    """Echoes scattered about a bent sheet far from the origin, seen from several sides, and some in its shadow."""
-    random = np.random.default_rng(seed)
-    x, y, deep = random.uniform(0, 9, count), random.uniform(0, 8, count), np.where(np.arange(count) % 6, 0.0, random.uniform(4, 9, count))
-    beams = np.stack([random.uniform(-0.5, 0.5, count), random.uniform(-0.2, 0.2, count), np.ones(count)], axis=1)
-    points = np.stack([x - 412.3, y + 88.1, 1020.7 + 0.05 * x**2 + 0.3 * y + deep + random.normal(0, 0.3, count)], axis=1)
-    beams /= np.linalg.norm(beams, axis=1, keepdims=True)
-    return SweepEchoes(points, beams, random.uniform(0.35, 1, count).astype(np.float32), np.arange(count))
 
 
 def around(place, of, sigma):

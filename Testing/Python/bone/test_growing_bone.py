@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from seen_planes import PlaneSweep
+from seen_planes import PlaneSweep, bent
 from sweeps import image_pose
-from test_echo_sums import bent, echoes_of
 
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.surface import surface_of
@@ -17,7 +16,7 @@ from AIFReconLib.progress import carry_out
 SWEEP = PlaneSweep(count=6)
 GRID = VoxelGrid.from_spacing(SWEEP.point - 18.0, (45, 45, 45), 0.8)
 OBLIQUE = VoxelGrid((45, 40, 50), image_pose((0.8, 0.8), (20.0, -15.0, 35.0), SWEEP.point - (18.0, 5.0, 25.0)))
-OF_FRAMES = echoes_of(SWEEP)
+OF_FRAMES = SWEEP.echoes()
 FAR = SweepEchoes(OF_FRAMES[0].points + 9e5, OF_FRAMES[0].beams, OF_FRAMES[0].scores, OF_FRAMES[0].frames)
 SHEET, IN_SHADOW = bent(300), np.arange(300) % 6 == 0
 OVER_SHEET = VoxelGrid.from_spacing((-415.0, 85.0, 1018.0), (16, 15, 22), 1.0)

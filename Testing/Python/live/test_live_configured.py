@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
+from files import COLUMNS, ROWS, tracked_sequence, write_configuration
 from live_messages import streamed
 
 from AIFReconLib.commands.parser import main
@@ -32,21 +32,7 @@ def configuration(tmp_path):
     """Writes configurations, with a mask beside them; answers with the path."""
     weights = np.tile(np.linspace(0, 255, COLUMNS).astype(np.uint8), (ROWS, 1))
     sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
-    matrix = " ".join(f"{number:.17g}" for number in IMAGE_TO_PROBE.ravel())
-
-    def write(attributes="", holes=""):
-        path = tmp_path / "plus.xml"
-        path.write_text(
-            f"""<PlusConfiguration><CoordinateDefinitions><Transform From="Image" To="Probe" Matrix="{matrix}"/></CoordinateDefinitions>
-            <ScanConversion TransducerGeometry="LINEAR" ImagingDepthMm="15" TransducerWidthMm="16" OutputImageSizePixel="40 30"
-            OutputImageSpacingMmPerPixel="0.4 0.5"/>
-            <VolumeReconstruction OutputSpacing="1 1 1" {attributes}><HoleFilling>{holes}</HoleFilling></VolumeReconstruction>
-            </PlusConfiguration>""",
-            encoding="utf-8",
-        )
-        return path
-
-    return write
+    return lambda *asked: write_configuration(tmp_path / "plus.xml", *asked)
 
 
 def volumes(path, recipe, grid=GRID, scouted=False):
