@@ -24,6 +24,9 @@ from AIFReconLib.recipe.recipe import ReconstructionSettings
 HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")
 REGIONS = (ImageRegion(), ImageRegion(ClipRectangle((2, 1), (28, 22)), Fan((16.0, -6.0), (-40.0, 35.0), (7.0, 29.0))))
+WAYS = [*((method, False) for method in METHODS), *((method, True) for method in LINEAR_METHODS)]
+"""Methods, and whether pixels are shared between neighbors."""
+
 PROBES = (ProbeGeometry("sector", (16.0, -6.0)), ProbeGeometry("linear"))
 
 
@@ -62,7 +65,7 @@ def assert_same(ours, theirs):
 @needs_numba
 @settings(max_examples=80)
 @given(
-    way=st.sampled_from([*((method, False) for method in METHODS), *((method, True) for method in LINEAR_METHODS)]),
+    way=st.sampled_from(WAYS),
     seed=st.integers(0, 10_000),
     spacing=st.tuples(*[st.floats(0.3, 2.5)] * 3),
     turn=st.tuples(*[st.floats(-180, 180)] * 3),
@@ -169,6 +172,19 @@ def test_engines_agree_on_what_is_hard(frames, grid, methods, probe):
         plain = state_after("numpy", method, frames, grid, probe=probe)
         assert plain[0][2].any()
         assert_same(state_after("numba", method, frames, grid, probe=probe, threads=2), plain)
+
+
+@needs_numba
+@pytest.mark.parametrize("probe", PROBES, ids=["sector", "linear"])
+@pytest.mark.parametrize("way", WAYS)
+def test_engines_agree_where_sound_has_another_speed(way, probe):
+    """By chance alone, a sector whose pixels are shared came too seldom."""
+    (method, linear), frames = way, oblique_frames(count=3)
+    plain, fast = (
+        state_after(each, method, frames, turned_grid(), probe=probe, linear=linear, speed=1480.0) for each in ("numpy", "numba")
+    )
+    assert plain[0][2].any()
+    assert_same(fast, plain)
 
 
 @needs_numba
