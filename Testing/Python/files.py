@@ -76,6 +76,13 @@ def tracked_sequence(count=6, seed=0, statuses=None, images=None, matrices=None)
     return TrackedSequence(images, records)
 
 
+def write_configuration(path: Path, attributes: str = "", holes: str = "", spacing: str = "1 1 1") -> Path:
+    """The patient's Plus configuration, with more attributes of its VolumeReconstruction and elements of its HoleFilling."""
+    text = CONFIGURATION.format(matrix=" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())), spacing=spacing)
+    path.write_text(text.replace('" />\n</Plus', f'" {attributes}><HoleFilling>{holes}</HoleFilling></VolumeReconstruction>\n</Plus'))
+    return path
+
+
 def write_patient(folder: Path, sequence: TrackedSequence | None = None, compress: bool = True, spacing: str = "1 1 1") -> Patient:
     """Write all files of a patient into `folder`."""
     sequence = sequence or tracked_sequence()
@@ -83,7 +90,7 @@ def write_patient(folder: Path, sequence: TrackedSequence | None = None, compres
         folder / "sweep.igs.mha", folder / "PlusDeviceSet.xml", folder / "labels.nrrd", folder / "CTToReference.tfm", sequence
     )
     write_sequence(sequence, patient.sweep, compress=compress)
-    patient.config.write_text(CONFIGURATION.format(matrix=" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())), spacing=spacing))
+    write_configuration(patient.config, spacing=spacing)
     inside = sphere_bone(center=(0.0, 0.0, 0.0)).inside
     assert inside is not None
     labels = np.pad(inside.array, 3)
@@ -91,6 +98,15 @@ def write_patient(folder: Path, sequence: TrackedSequence | None = None, compres
     Volume(labels, np.linalg.inv(LABELS_TO_REFERENCE) @ inside.ijk_to_reference @ shift).write(patient.labels)
     write_transform(LABELS_TO_REFERENCE, patient.transform)
     return patient
+
+
+def write_patient_with_bone(folder: Path, echo: int = 240) -> Patient:
+    """A patient in a new folder, whose images show tissue, an echo of this gray level in rows 19 and 20, and next to nothing below."""
+    folder.mkdir()
+    images = np.random.default_rng(0).integers(20, 60, (6, ROWS, COLUMNS), dtype=np.uint8)
+    images[:, 21:] //= 20
+    images[:, 19:21] = echo
+    return write_patient(folder, tracked_sequence(images=images))
 
 
 def refused(arguments, capsys, folder):

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 from sweeps import image_pose
 
+from AIFReconLib.bone.echoes.found import SweepEchoes
+from AIFReconLib.bone.predicted_bone import PointsOfFrames
+from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.frames import FrameRecord, TrackedFrame, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses
 
 COLUMNS, ROWS, SPACING = 60, 80, (0.5, 0.5)
@@ -64,6 +67,12 @@ class PlaneSweep:
         """1 near the plane, 0 elsewhere, (frames, rows, columns) float32."""
         return (np.abs(self.depths(**size)) <= THICKNESS).astype(np.float32)
 
+    def echoes(self) -> list[SweepEchoes]:
+        """What each frame tells by these predictions."""
+        points, said = PointsOfFrames(IMAGING), self.predictions()
+        frames = [TrackedFrame(image, pose, number=n) for n, (image, pose) in enumerate(zip(self.images, self.poses))]
+        return [points.of(frame, Prediction(said[n])) for n, frame in enumerate(frames)]
+
     def on_plane(self, depth=0.0, step=2.0, half=4) -> np.ndarray:
         """Points in Reference that lie `depth` mm behind the plane, about the middle of the sweep, (n, 3)."""
         along = np.linalg.svd(self.normal[None])[2][1:]
@@ -78,3 +87,13 @@ def as_sequence(images, times=None) -> TrackedSequence:
     return TrackedSequence(
         np.asarray(images), [FrameRecord(timestamp=None if times is None else float(times[n])) for n in range(len(images))]
     )
+
+
+def bent(count=90, seed=0) -> SweepEchoes:
+    """Echoes scattered about a bent sheet far from the origin, seen from several sides, and some in its shadow."""
+    random = np.random.default_rng(seed)
+    x, y, deep = random.uniform(0, 9, count), random.uniform(0, 8, count), np.where(np.arange(count) % 6, 0.0, random.uniform(4, 9, count))
+    beams = np.stack([random.uniform(-0.5, 0.5, count), random.uniform(-0.2, 0.2, count), np.ones(count)], axis=1)
+    points = np.stack([x - 412.3, y + 88.1, 1020.7 + 0.05 * x**2 + 0.3 * y + deep + random.normal(0, 0.3, count)], axis=1)
+    beams /= np.linalg.norm(beams, axis=1, keepdims=True)
+    return SweepEchoes(points, beams, random.uniform(0.35, 1, count).astype(np.float32), np.arange(count))

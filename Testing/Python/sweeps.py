@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.sweep.frames import TrackedFrame
+from AIFReconLib.sweep.frames import TrackedFrame, TrackedSequence
 
 
 def rigid(rotation_vector_deg=(0.0, 0.0, 0.0), translation=(0.0, 0.0, 0.0)) -> np.ndarray:
@@ -33,6 +33,14 @@ def oblique_frames(seed=0, count=5, shape=(26, 34), spacing=(0.4, 0.7), dtype=np
         image = (rng.random(shape) * top).astype(dtype)
         frames.append(TrackedFrame(image, pose, timestamp=0.05 * number, number=number))
     return frames
+
+
+def oblique_sequence(seed=0, count=5, spread=0.0, dtype=np.uint8) -> TrackedSequence:
+    """Such frames as a sequence without a calibration, moved by up to `spread` mm or so more."""
+    frames = oblique_frames(seed, count, dtype=dtype)
+    poses = np.stack([frame.placed()[1] for frame in frames])
+    poses[:, :3, 3] += spread * np.random.default_rng(seed).normal(size=(count, 3))
+    return TrackedSequence.from_arrays(np.stack([frame.placed()[0] for frame in frames]), poses, 0.05 * np.arange(count))
 
 
 def turned_grid(spacing=(0.9, 1.1, 1.3), size=(14, 15, 13), rotation_vector_deg=(12.0, -25.0, 40.0)) -> VoxelGrid:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from files import IMAGE_TO_PROBE, tracked_sequence
+from files import IMAGE_TO_PROBE, tracked_sequence, write_configuration
 from sweeps import sphere_bone
 
 from AIFReconLib.commands.parser import main
@@ -130,15 +130,9 @@ def test_what_is_configured_and_does_not_go_with_the_method_is_told():
 def recording(tmp_path):
     """A recording and a configuration that drives Plus's own reconstructor."""
     write_sequence(tracked_sequence(), tmp_path / "sweep.igs.mha")
-    matrix = " ".join(f"{number:.17g}" for number in IMAGE_TO_PROBE.ravel())
-    (tmp_path / "plus.xml").write_text(
-        f"""<PlusConfiguration><CoordinateDefinitions><Transform From="Image" To="Probe" Matrix="{matrix}"/></CoordinateDefinitions>
-        <VolumeReconstruction OutputSpacing="1 1 1" ClipRectangleSize="39 29" Interpolation="LINEAR" CompoundingMode="MAXIMUM"
-        Optimization="PARTIAL" FillHoles="ON" PixelRejectionThreshold="20">
-        <HoleFilling><HoleFillingElement Type="STICK" StickLengthLimit="9" NumberOfSticksToUse="1"/></HoleFilling>
-        </VolumeReconstruction></PlusConfiguration>""",
-        encoding="utf-8",
-    )
+    asked = 'ClipRectangleSize="39 29" Interpolation="LINEAR" CompoundingMode="MAXIMUM" Optimization="PARTIAL" FillHoles="ON" '
+    holes = '<HoleFillingElement Type="STICK" StickLengthLimit="9" NumberOfSticksToUse="1"/>'
+    write_configuration(tmp_path / "plus.xml", asked + 'PixelRejectionThreshold="20"', holes)
     return tmp_path
 
 

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 import numpy as np
 import pytest
-from sweeps import oblique_frames, sphere_bone, turned_grid
+from sweeps import oblique_sequence, sphere_bone, turned_grid
 
 import AIFReconLib
 from AIFReconLib.bone.predicted_bone import bone_from_frames
@@ -17,9 +17,8 @@ from AIFReconLib.errors import InputTypeError
 library: Any = AIFReconLib
 """For a checker of types these calls are wrong too."""
 
-FRAMES = oblique_frames(count=3)
-IMAGES, POSES = np.stack([f.placed()[0] for f in FRAMES]), np.stack([f.placed()[1] for f in FRAMES])
-SEQUENCE = library.TrackedSequence.from_arrays(IMAGES, POSES)
+SEQUENCE = oblique_sequence(count=3)
+IMAGES, POSES = np.asarray(SEQUENCE.images), np.stack([next(iter(record.transforms.values())).matrix for record in SEQUENCE.records])
 LINEAR = library.Recipe(probe="linear")
 LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
 

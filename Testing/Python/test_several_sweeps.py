@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from files import CONFIGURATION, IMAGE_TO_PROBE, tracked_sequence
+from files import IMAGE_TO_PROBE, tracked_sequence, write_configuration
 from sweeps import rigid, sphere_bone
 
 from AIFReconLib.bone.echoes.search import sweep_echoes
@@ -166,7 +166,7 @@ def recordings(tmp_path, patient):
     """The patient's sweep, and a second one with a configuration of its own."""
     second, config = tmp_path / "second.igs.mha", tmp_path / "second.xml"
     write_sequence(tracked_sequence(seed=5), second)
-    config.write_text(CONFIGURATION.format(matrix=" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())), spacing="1 1 1"))
+    write_configuration(config)
     return [str(patient.sweep), str(second)], [str(patient.config), str(config)]
 
 

@@ -35,11 +35,6 @@ def returned(value: object) -> object:
     return value
 
 
-def total(array: np.ndarray, *, twice: bool = False) -> tuple[float, bool, bool]:
-    """The sum, and whether it may be written to and is in Fortran order."""
-    return float(array.sum()) * (2 if twice else 1), array.flags.writeable, array.flags.f_contiguous
-
-
 def add_one(array: np.ndarray) -> None:
     """To what came."""
     array += 1

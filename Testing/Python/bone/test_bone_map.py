@@ -137,18 +137,6 @@ def test_surface_is_the_gradient_of_the_smoothed_labels():
     np.testing.assert_allclose(found[clear], directions_by_recipe(smooth, OBLIQUE)[clear], atol=1e-3)
 
 
-def test_surface_directions_reach_as_far_whatever_the_width_of_the_probability():
-    labels = block((40, 40, 40), (17, 17, 17), (6, 6, 6))
-    grid = VoxelGrid((40, 40, 40), scaled(0.9, 0.7, 0.8))
-    wide, narrow = (
-        BoneMap.from_labels(Volume(labels, grid.ijk_to_reference), sigma_mm=sigma).on_grid(grid, "surface").directions_reference
-        for sigma in (4.0, 0.5)
-    )
-    reached = np.linalg.norm(wide, axis=-1) > 0
-    assert reached[20, 20, [8, 31]].all()
-    np.testing.assert_allclose(narrow[reached], wide[reached], atol=1e-5)
-
-
 def test_surface_directions_do_not_depend_on_the_shape_of_the_voxels():
     """A tilted plane through voxels of 0.5 x 0.7 x 1.6 mm faces the way it does."""
     normal = np.array([0.6, 0.0, 0.8])
@@ -205,30 +193,6 @@ def test_moving_ct_and_grid_together_turns_the_directions_with_them(motion):
     np.testing.assert_allclose(there.directions_reference, here.directions_reference @ motion[:3, :3].T, atol=5e-3)
 
 
-@needs_numba
-@given(
-    turn=rigid_poses,
-    spacing=st.tuples(*[st.floats(0.2, 3.0)] * 3),
-    shape=st.tuples(*[st.integers(1, 9)] * 3),
-    size=st.tuples(*[st.integers(1, 14)] * 3),
-    seed=st.integers(0, 1000),
-)
-@settings(max_examples=40)
-def test_a_map_has_the_same_voxels_with_and_without_numba(turn, spacing, shape, size, seed):
-    probability = np.random.default_rng(seed).random(shape, dtype=np.float32)
-    bone_map = BoneMap.from_probability(Volume(probability, scaled(1.0, 0.8, 1.3)))
-    # Near the map, wherever the motion takes it
-    placed = turn @ scaled(*spacing)
-    placed[:3, 3] = np.remainder(placed[:3, 3], 8.0) - 4.0
-    grid = VoxelGrid(size, placed)
-    fast = bone_map.on_grid(grid)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(at_voxels_module, "optional_module", lambda name: None)
-        plain = bone_map.on_grid(grid)
-    np.testing.assert_array_equal(fast.probability, plain.probability)
-    np.testing.assert_array_equal(fast.directions_reference, plain.directions_reference)
-
-
 WITHOUT_NUMBA = pytest.param(True, id="scipy")
 
 
@@ -236,14 +200,14 @@ WITHOUT_NUMBA = pytest.param(True, id="scipy")
 @given(
     turn=rigid_poses,
     spacing=st.tuples(*[st.floats(0.2, 3.0)] * 3),
-    shape=st.tuples(*[st.integers(2, 9)] * 3),
+    shape=st.tuples(*[st.integers(1, 9)] * 3),
     size=st.tuples(*[st.integers(1, 14)] * 3),
     part=st.tuples(st.integers(0, 13), st.integers(1, 14)),
     direction=st.sampled_from(["gradient", "surface"]),
     seed=st.integers(0, 1000),
 )
 @settings(max_examples=40)
-def test_a_map_says_the_same_at_some_voxels_as_on_all(by_scipy, turn, spacing, shape, size, part, direction, seed):
+def test_a_map_says_the_same_at_some_voxels_as_on_all_with_and_without_numba(by_scipy, turn, spacing, shape, size, part, direction, seed):
     rng = np.random.default_rng(seed)
     # With voxels where there is no bone
     probability = np.maximum(rng.random(shape, dtype=np.float32) - np.float32(0.3), 0)
@@ -261,24 +225,12 @@ def test_a_map_says_the_same_at_some_voxels_as_on_all(by_scipy, turn, spacing, s
             patch.setattr(at_voxels_module, "optional_module", lambda name: None)
         found, directions = some.at(voxels)
         assert some.overlaps == everywhere.overlaps
+        again = bone_map.on_grid(grid, direction, planes=planes)
+    np.testing.assert_array_equal(again.probability, everywhere.probability)
+    np.testing.assert_array_equal(again.directions_reference, everywhere.directions_reference)
     expected, facing = everywhere.at(voxels)
     np.testing.assert_array_equal(found, expected)
     np.testing.assert_array_equal(directions, np.where(expected[:, None] > 0, facing, 0))
-
-
-def test_reading_a_map_at_some_voxels_takes_no_memory_for_the_others():
-    bone_map = BoneMap.from_labels(Volume(block(), np.eye(4)), sigma_voxels=2.0)
-    # As arrays these would be 16 GB
-    placed = bone_map.at_voxels(VoxelGrid((1000, 1000, 1000), scaled(0.1, 0.1, 0.1)))
-    assert placed.overlaps
-    assert placed.at(np.array([0, 999_999_999]))[0].shape == (2,)
-
-
-def test_values_fall_to_0_within_one_voxel_of_the_border_of_the_map():
-    bone_map = BoneMap.from_probability(Volume(np.ones((4, 5, 6), np.float32), np.eye(4)))
-    fine = VoxelGrid((36, 32, 28), rigid((0, 0, 0), (-2, -2, -2)) @ scaled(0.25, 0.25, 0.25))
-    expected = sampled_by_scipy(bone_map.probability.array, bone_map.probability.grid, fine, 1)
-    np.testing.assert_allclose(bone_map.on_grid(fine).probability, expected, atol=1e-6)
 
 
 # ---- progress

@@ -11,18 +11,16 @@ import pytest
 pytest.importorskip("onnxruntime")
 pytest.importorskip("onnx")
 
+from files import refused, write_patient_with_bone
 from onnx import helper
-from onnx_models import echo_score, graph_of, saved, scaling
-from seen_planes import IMAGING, PlaneSweep
+from onnx_models import graph_of, saved, scaling
+from seen_planes import PlaneSweep
 
-from AIFReconLib.bone.echoes.finder import BoneEchoFinder
 from AIFReconLib.bone.network.model import OnnxModel
-from AIFReconLib.bone.scan_line_reader import ScanLineReader
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.sweep.frames import TrackedFrame
 
-SWEEP = PlaneSweep(count=4)
 GRAY = np.random.default_rng(0).integers(0, 256, (48, 40), dtype=np.uint8)
 
 
@@ -38,17 +36,6 @@ def answer(path, image=GRAY):
 
 
 # What goes in and comes out
-
-
-def test_the_rule_for_echoes_as_a_graph_gives_its_score_to_the_fourth_digit(tmp_path):
-    spacing = (0.6, 0.25)
-    rows, columns = SWEEP.images.shape[1:]
-    path = model_in(tmp_path, echo_score(rows, columns, spacing), std=1 / 255, output="probability")
-    image = SWEEP.images[1]
-    finder = BoneEchoFinder((columns, rows), spacing, IMAGING)
-    score = finder.look(ScanLineReader((columns, rows), spacing, IMAGING).read(image))[1]
-    np.testing.assert_allclose(answer(path, image), np.maximum(score.T, 0), atol=1e-4)
-    assert score.max() > 0.5
 
 
 def test_gray_levels_go_in_as_fractions_of_white_less_mean_over_std(tmp_path):
@@ -182,13 +169,8 @@ def test_the_network_that_is_trained_on_simulated_frames_knows_an_echo_over_dark
 
 
 def test_the_command_takes_a_model_and_refuses_what_is_none(tmp_path, capsys):
-    from files import refused, tracked_sequence, write_patient
-
-    (tmp_path / "inputs").mkdir()
     (tmp_path / "results").mkdir()
-    images = np.random.default_rng(0).integers(40, 90, (6, 30, 40), dtype=np.uint8)
-    images[:, 21:] //= 20
-    patient = write_patient(tmp_path / "inputs", tracked_sequence(images=images))
+    patient = write_patient_with_bone(tmp_path / "inputs")
     path = model_in(tmp_path / "inputs", scaling(20.0, -5.0))
     command = [*patient.reconstruct, "--engine", "numpy", "--bone-model", str(path), "--output", str(tmp_path / "results" / "v.nrrd")]
     assert main(command) == 0

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from files import tracked_sequence, write_patient
+from files import tracked_sequence, write_patient, write_patient_with_bone
 from study.scanner_looks import LOOKS
 from sweeps import image_pose
 
@@ -208,13 +208,7 @@ def test_a_frame_that_cannot_be_placed_takes_no_part():
 
 @pytest.fixture
 def patient(tmp_path):
-    """A patient whose images show bone: tissue above, an echo in row 20, next to nothing below."""
-    images = np.random.default_rng(0).integers(20, 60, (6, 30, 40), dtype=np.uint8)
-    images[:, 21:] //= 20
-    images[:, 19:21] = 240
-    folder = tmp_path / "inputs"
-    folder.mkdir()
-    return write_patient(folder, tracked_sequence(images=images))
+    return write_patient_with_bone(tmp_path / "inputs")
 
 
 def reconstructed(patient, path, *options) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The surface that echoes lie on, by sums in cubes: against loops over echoes, and part by part against the whole."""
+"""The surface that echoes lie on, by sums in cubes, against loops over echoes."""
 
 from __future__ import annotations
 
@@ -6,38 +6,13 @@ from math import exp
 
 import numpy as np
 import pytest
-from seen_planes import IMAGING, PlaneSweep
+from seen_planes import bent
 
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.surface import EchoSurface, surface_of
-from AIFReconLib.bone.predicted_bone import PointsOfFrames
-from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.progress import carry_out
-from AIFReconLib.sweep.frames import TrackedFrame
-
-
-def echoes_of(sweep: PlaneSweep) -> list[SweepEchoes]:
-    points, said = PointsOfFrames(IMAGING), sweep.predictions()
-    frames = [TrackedFrame(image, pose, number=n) for n, (image, pose) in enumerate(zip(sweep.images, sweep.poses))]
-    return [points.of(frame, Prediction(said[frame.number])) for frame in frames]
-
-
-def bent(count=90, seed=0) -> SweepEchoes:
-    """Echoes scattered about a bent sheet far from the origin, seen from several sides, and some in its shadow."""
-    random = np.random.default_rng(seed)
-    x, y, deep = random.uniform(0, 9, count), random.uniform(0, 8, count), np.where(np.arange(count) % 6, 0.0, random.uniform(4, 9, count))
-    beams = np.stack([random.uniform(-0.5, 0.5, count), random.uniform(-0.2, 0.2, count), np.ones(count)], axis=1)
-    points = np.stack([x - 412.3, y + 88.1, 1020.7 + 0.05 * x**2 + 0.3 * y + deep + random.normal(0, 0.3, count)], axis=1)
-    beams /= np.linalg.norm(beams, axis=1, keepdims=True)
-    return SweepEchoes(points, beams, random.uniform(0.35, 1, count).astype(np.float32), np.arange(count))
-
-
-# Sums
-
-
-# Planes
 
 
 def around(place, of, sigma):
@@ -123,9 +98,6 @@ def test_of_no_echoes_there_is_no_surface():
         surface_of(SweepEchoes.joined([]))
 
 
-# Part by part
-
-
 class Told:
     """What a surface has told of the voxels of the whole: probability and slopes."""
 
@@ -151,48 +123,3 @@ class Told:
         """By how much that differs from the whole."""
         assert self.whole.slopes is not None
         return np.abs(self.values - (self.whole.probability.array, *self.whole.slopes))
-
-
-def test_a_surface_that_grew_from_several_sides_differs_by_how_much_sides_count_alone():
-    told = Told(echoes_of(PlaneSweep(count=8)))
-    assert told.off[1:].max() < 1e-5
-    assert np.mean(told.off[0][told.whole.probability.array > 0] > 0.02) < 0.05
-    told.surface.renew()
-    told.take()
-    assert told.off.max() < 1e-5
-
-
-def test_news_that_take_bone_back_tell_so():
-    """What was bone turns out to lie in the shadow of more."""
-    echoes, deep = bent(300), np.arange(300) % 6 == 0
-    first, late = np.flatnonzero(deep), np.flatnonzero(~deep)
-    assert Told([echoes[first], *(echoes[late[n::5]] for n in range(5))]).off[1:].max() < 1e-5
-
-
-def test_news_of_a_box_are_those_of_the_whole_there_and_nothing_beyond():
-    """However far away a tracker has once seen the probe."""
-    parts = echoes_of(PlaneSweep(count=4, turn=0.0))
-    whole = surface_of(SweepEchoes.joined(parts))
-    surface, middle = EchoSurface(), transform_points(whole.probability.ijk_to_reference, 0.5 * np.array(whole.probability.grid.size))
-    for part in parts:
-        surface.add(part)
-    surface.add(SweepEchoes(parts[0].points + 9e5, parts[0].beams, parts[0].scores, parts[0].frames))
-    news = carry_out(surface.news(within=(middle - 8.0, middle + 8.0)))
-    assert news is not None
-    first = np.rint(news.probability.grid.origin - whole.probability.grid.origin).astype(int)
-    assert (np.array(news.probability.grid.size) <= 20).all()
-    k, j, i = (slice(a, a + n) for a, n in zip(first[::-1], news.probability.shape))
-    assert news.probability.array.max() > 0.9
-    np.testing.assert_allclose(news.probability.array, whole.probability.array[k, j, i], atol=1e-5)
-    surface.add(SweepEchoes(parts[0].points + 500.0, parts[0].beams, parts[0].scores, parts[0].frames))
-    assert carry_out(surface.news(within=(middle - 8.0, middle + 8.0))) is None
-
-
-def test_what_is_kept_does_not_grow_with_a_scan_that_stays_where_it_is():
-    parts = echoes_of(PlaneSweep(count=4))
-    surface = Told(parts).surface
-    kept = surface._shown.cubes.size, surface._crossed.cubes.size
-    for part in parts:
-        surface.add(part)
-    carry_out(surface.news())
-    assert (surface._shown.cubes.size, surface._crossed.cubes.size) == kept

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from files import refused, tracked_sequence, write_patient
+from files import refused, write_patient_with_bone
 from seen_planes import IMAGING, PlaneSweep, as_sequence
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
@@ -205,11 +205,7 @@ def test_of_several_sweeps_each_has_its_own():
 
 @pytest.fixture
 def patient(tmp_path):
-    folder = tmp_path / "inputs"
-    folder.mkdir()
-    images = np.random.default_rng(0).integers(40, 90, (6, 30, 40), dtype=np.uint8)
-    images[:, 21:] //= 20
-    return write_patient(folder, tracked_sequence(images=images))
+    return write_patient_with_bone(tmp_path / "inputs")
 
 
 def predicted(patient, columns=40, rows=30, least=0):

@@ -14,8 +14,6 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
-from AIFReconLib.effective_settings import imaging_fields
-from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.holes.igsio_hole_filling import fill_holes_by_kind
@@ -174,19 +172,6 @@ def test_linear_methods_are_igsios_in_double_precision_the_average_before_it_rou
     assert 2.0 < off.mean() < 3.0
 
 
-def test_the_emulation_of_igsio_reproduces_its_linear_mean_where_it_measured(real_data, trus):
-    written = real_data("VolumeReconstructorTestLNMEANvolumeRef.mha")
-    reference = sitk.GetArrayFromImage(sitk.ReadImage(str(written)))
-    fan = igsio.optimized_fan(trus.region, *trus.sequence.frame_size)
-    emulated, weight = igsio.paste_linear(*trus.place, fan, "mean", igsio.Arithmetic(2**14))
-    np.testing.assert_array_equal(emulated[weight > 0], reference[weight > 0])
-
-
-def test_the_clip_of_the_configuration_is_honored(trus):
-    clipped = ours(trus, "average", **imaging_fields(ImageRegion(trus.region.clip)))
-    assert clipped.hits.array.sum() == 421 * 581 * len(trus.images)
-
-
 def test_the_bone_surface_lies_where_the_frames_of_a_linear_probe_show_it(real_data):
     """The brightest pixels of the real bone, frame by frame, are bright in the volume at their place in Reference."""
     sequence = read_sequence(real_data("BoneUltrasound_L14.igs.mha"), config=real_data("BoneUltrasound_L14_config.xml"))
@@ -199,14 +184,3 @@ def test_the_bone_surface_lies_where_the_frames_of_a_linear_probe_show_it(real_d
         row, column = np.unravel_index(np.argmax(image), image.shape)
         i, j, k, _ = np.floor(result.grid.reference_to_ijk @ poses[number] @ (column, row, 0, 1) + 0.5).astype(int)
         assert result.intensity.array[k, j, i] >= image[row, column]
-
-
-def test_frames_with_invalid_poses_are_skipped_and_named(real_data):
-    sequence = read_sequence(real_data("NwirePhantomFreehand.igs.nrrd"), config=real_data("SpinePhantom_NN_MEAN.xml"))
-    records = list(sequence.records)
-    for number in (3, 4):
-        lost = {name: replace(sample, status=TransformStatus.INVALID) for name, sample in records[number].transforms.items()}
-        records[number] = replace(records[number], transforms=lost)
-    result = reconstruct(replace(sequence, records=records), ReconstructionSettings(hole_limit=0.0, method="latest", spacing=1.0))
-    assert result.skipped == {"ProbeToTracker INVALID": [3, 4]}
-    assert result.frames_inserted == 95

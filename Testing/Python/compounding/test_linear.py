@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding import splat_engine
@@ -104,57 +101,15 @@ def test_an_importance_mask_weights_the_average_as_the_loop_does(interpolation, 
     np.testing.assert_allclose(result.intensity.array, expected, rtol=1e-5, atol=1e-5)
 
 
-@pytest.mark.skipif(optional_module("AIFReconLib.compounding.compiled.numba_splat") is None, reason="numba is not installed")
-@settings(max_examples=60)
-@given(
-    method=st.sampled_from(METHODS),
-    seed=st.integers(0, 10_000),
-    spacing=st.tuples(*[st.floats(0.3, 2.5)] * 3),
-    turn=st.tuples(*[st.floats(-180, 180)] * 3),
-    threads=st.integers(1, 5),
-    dtype=st.sampled_from([np.uint8, np.float32]),
-    weighted=st.booleans(),
-    damaged=st.booleans(),
-    probe=st.sampled_from([ProbeGeometry("sector", (16.0, -6.0)), ProbeGeometry("linear")]),
-    speed=st.sampled_from([None, 1480.0]),
-)
-def test_the_compiled_engine_gives_the_same_voxels_to_the_last_bit(
-    method, seed, spacing, turn, threads, dtype, weighted, damaged, probe, speed
-):
-    frames, grid = oblique_frames(seed=seed, count=5, dtype=dtype), turned_grid(spacing, (9, 8, 7), turn)
-    rng = np.random.default_rng(seed)
-    if damaged and dtype == np.float32:
-        frames[1].image[rng.random(frames[1].image.shape) < 0.3] = np.nan
-    weights = rng.integers(0, 4, frames[0].image.shape).astype(np.float32) / 3 if weighted and method == "average" else None
-    results = []
-    for engine in ("numpy", "numba"):
-        wanted = ReconstructionSettings(
-            hole_limit=0.0, method=method, interpolation="linear", engine=engine, output_type="float32", speed_of_sound=speed
-        )
-        reconstructor = Reconstructor(grid, wanted, region=REGION, probe=probe, importance=weights, threads=threads)
-        assert reconstructor.engine == engine
-        reconstructor.insert(frames)
-        results.append(reconstructor.finish())
-    ours, theirs = results
-    for name in ("intensity", "score", "hits", "mask"):
-        np.testing.assert_array_equal(getattr(ours, name).array, getattr(theirs, name).array)
-    assert (ours.frames_inserted, ours.skipped) == (theirs.frames_inserted, theirs.skipped)
-
-
-@pytest.mark.skipif(optional_module("AIFReconLib.compounding.compiled.numba_splat") is None, reason="numba is not installed")
-def test_pixels_enter_the_voxels_on_both_sides_of_a_slab_s_edge():
+@pytest.mark.parametrize("axes", itertools.permutations(range(3)))
+def test_pixels_enter_the_voxels_on_both_sides_of_a_slab_s_edge(axes, engine):
     pose = np.eye(4)
     pose[:3, 3] = 0.5, 0.5, 3.25
+    pose[:3] = pose[list(axes)]
     frames = [TrackedFrame(np.full((30, 30), 10 * n, np.uint8), pose, number=n) for n in range(1, 4)]
-    for axes in itertools.permutations(range(3)):
-        turned = np.eye(4)
-        turned[:3] = turned[list(axes)]
-        moved = [replace(frame, image_to_reference=turned @ pose) for frame in frames]
-        grid = VoxelGrid.from_spacing((0, 0, 0), (33, 33, 33), 1.0)
-        one, other = (reconstructed(moved, grid, "average", engine, region=None) for engine in ("numpy", "numba"))
-        assert one.hits.array.sum() == 3 * 900 * 8
-        np.testing.assert_array_equal(one.hits.array, other.hits.array)
-        np.testing.assert_array_equal(one.intensity.array, other.intensity.array)
+    result = reconstructed(frames, VoxelGrid.from_spacing((0, 0, 0), (33, 33, 33), 1.0), "average", engine, region=None)
+    assert result.hits.array.sum() == 3 * 900 * 8
+    np.testing.assert_allclose(result.intensity.array, 20.0 * result.mask.array, rtol=1e-6)
 
 
 @pytest.mark.parametrize("method", METHODS)

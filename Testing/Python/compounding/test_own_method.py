@@ -87,12 +87,6 @@ def test_weighted_from_its_formulas_is_the_built_in_one_with_any_engine():
     assert_same_voxels(shadowed(weighted_again, engine="numpy"), shadowed(weighted_again, engine="auto"))
 
 
-def test_a_method_that_asks_for_no_bone_is_the_same_where_the_best_cosine_is_kept():
-    plain = shadowed(onsets, bone=None)
-    assert np.ptp(plain.score) > 0, "no shadow began: nothing was compared"
-    assert_same_voxels(shadowed(onsets, best_cosine=True), plain)
-
-
 # ---- parts and whole, order, engines
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from sweeps import oblique_frames, sphere_bone, turned_grid
+from sweeps import oblique_sequence, sphere_bone, turned_grid
 
 from AIFReconLib.compounding.finishing.parts import Costs, cut_into_parts
 from AIFReconLib.compounding.methods.table import LINEAR_METHODS, METHODS
@@ -23,7 +23,6 @@ from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.workflows import reconstruct as workflow
 
 ENGINES = ("numpy", "numba") if optional_module("AIFReconLib.compounding.compiled.numba_engine") else ("numpy",)
@@ -32,13 +31,12 @@ PLANES = 9
 VOLUMES = ("intensity", "mask", "score", "hits", "cosine")
 
 
-def sequence(seed, dtype=np.uint8, spread=3.0):
+def sequence(seed, dtype=np.uint8):
     """A few frames, some of which miss the volume, or most of it."""
-    frames = oblique_frames(seed, count=6, dtype=dtype)
-    poses = np.stack([frame.image_to_reference for frame in frames])
-    poses[:, :3, 3] += np.random.default_rng(seed).normal(0, spread, (6, 3))
-    poses[4, :3, 3] += 500.0
-    return TrackedSequence.from_arrays(np.stack([frame.image for frame in frames]), poses)
+    made = oblique_sequence(seed, 6, 3.0, dtype)
+    (pose,) = made.records[4].transforms.values()
+    pose.matrix[:3, 3] += 500.0
+    return made
 
 
 def volumes_of(sweep, wanted, grid, cuts, monkeypatch, holes=(), **more):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.compounding.layout import MostHits, PixelLayout, most_in_a_voxel
+from AIFReconLib.compounding.layout import MostHits, PixelLayout
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import MOST_IN_SINGLE
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -48,28 +48,6 @@ def test_a_probe_that_rests_leaves_the_exact_mean_and_number_of_its_pixels(engin
         np.testing.assert_array_equal(seen.hits.array[0], len(so_far) * EDGE**2)
         assert not seen.mask.array[1:].any()
     np.testing.assert_array_equal(reconstructor.finish().score.array[0], images.size / 9)
-
-
-@settings(max_examples=40)
-@given(
-    turn=st.tuples(*[st.floats(-180, 180)] * 3),
-    spacing=st.tuples(*[st.floats(0.3, 2.5)] * 3),
-    pixel=st.tuples(st.floats(0.1, 1.2), st.floats(0.1, 1.2)),
-    start=st.tuples(*[st.floats(-0.5, 0.5)] * 3),
-)
-def test_no_voxel_gets_more_pixels_of_an_image_than_foreseen(turn, spacing, pixel, start):
-    pose = np.diag([*pixel, 1.0, 1.0])
-    pose[:3, 3] = start
-    grid = turned_grid(spacing, (12, 12, 12), turn)
-    place = grid.reference_to_ijk @ pose
-    _, voxels = PixelLayout.build((80, 80), pixel, ImageRegion(), None).voxels(place, grid.size)
-    assert np.bincount(voxels, minlength=1).max() <= most_in_a_voxel(place)
-
-
-def test_what_is_foreseen_is_less_than_twice_what_comes():
-    # Voxels of 0.5 mm, pixels of 0.1 mm, along the grid
-    place = np.diag([0.2, 0.2, 1.0, 1.0])
-    assert 25 <= most_in_a_voxel(place) < 2.1 * 25
 
 
 def reconstructor_for(engine):
@@ -115,14 +93,3 @@ def test_no_voxel_gets_more_than_is_said(seed, step):
         place = grid.reference_to_ijk @ pose
         np.add.at(hits, layout.voxels(place, grid.size)[1], 1)
         assert hits.max() <= counted.after(place, layout)
-
-
-def test_a_probe_that_moves_is_told_from_one_that_rests():
-    layout, place = PixelLayout.build((100, 100), (0.2, 0.2), ImageRegion(), None), np.diag([0.2, 0.2, 1.0, 1.0])
-    rests, moves = MostHits((20, 20, 500)), MostHits((20, 20, 500))
-    for number in range(400):
-        place[2, 3] = 0.0
-        most_at_rest = rests.after(place, layout)
-        place[2, 3] = number
-        most_moving = moves.after(place, layout)
-    assert most_at_rest > 100 * most_moving

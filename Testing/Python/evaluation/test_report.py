@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 from AIFReconLib.compounding.methods.table import METHODS
-from AIFReconLib.errors import OutputError
 from AIFReconLib.evaluation.quantities import PARTS, QUANTITIES, BoneMetrics, SurfaceMetrics, achieved, best_of, metrics_csv
-from AIFReconLib.evaluation.report import Report, report_html, software_versions, write_report
+from AIFReconLib.evaluation.report import Report, report_html, software_versions
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 PNG = b"\x89PNG\r\n\x1a\nnot really"
@@ -148,16 +147,6 @@ def test_the_page_asks_for_nothing_from_elsewhere(report):
     html = report_html(report)
     assert [link for link in Page(html).resources if not link.startswith(("data:image/png;base64,", "#"))] == []
     assert re.findall(r"url\(|@import|https?:|<script|<link|javascript:", html) == []
-
-
-def test_a_page_that_cannot_be_written_leaves_the_old_one(report, tmp_path, monkeypatch):
-    path = tmp_path / "report.html"
-    path.write_text("old")
-    monkeypatch.setattr("AIFReconLib.io.disk.atomic.os.replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
-    with pytest.raises(OutputError):
-        write_report(path, report)
-    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
-    assert path.read_text() == "old"
 
 
 # ---- what was achieved

@@ -59,12 +59,6 @@ def test_the_near_half_of_a_ball_is_reached_at_the_angle_of_its_normal():
     assert np.isnan(best[expected < 0]).all(), "the far half"
 
 
-def test_bone_shadows_what_lies_behind_it():
-    points = np.array([(-10.0, 10.0, 0.0), (-10.0, 30.0, 0.0), (10.0, 30.0, 0.0), (10.0, 45.0, 0.0)])
-    status, _ = look(points, sweep(), bone(table))
-    assert status.tolist() == [REACHED, SHADOWED, REACHED, SHADOWED]
-
-
 def test_a_surface_does_not_hide_itself_but_is_hidden_by_another():
     volume = bone(table)
     points = np.array([(-10.0, 20.0, 0.0), (-10.0, 40.0, 0.0), (10.0, 40.0, 0.0)])

@@ -7,10 +7,7 @@ from sweeps import two_vertebrae
 
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.next_move import DOWN, HERE, TO_LEFT, TO_RIGHT, TURN, UP, directions
-from AIFReconLib.guidance.passes import labels_under
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
-
-HEAD, RIGHT = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -57,9 +54,3 @@ def test_a_probe_that_is_held_the_other_way_round_is_tilted_the_same_way():
     there = ProbePlacement(0.0, 0.0, 90.0, 20.0, 0.0)
     assert arrows(ProbePlacement(0.0, 0.0, -90.0, 10.0, 0.0), there) == UP
     assert str(directions(ProbePlacement(0.0, 0.0, -90.0, 10.0, 0.0), there)[0].words) == "aim the beam 30\u00b0 more toward the head"
-
-
-@pytest.mark.parametrize(("share", "expected"), [(-1.0, (1,)), (0.1, (1,)), (0.5, (2, 1)), (0.9, (2,)), (2.0, (2,))])
-def test_a_place_is_over_one_label_or_between_two_from_head_to_feet(bone, share, expected):
-    low, high = (bone.centers[label] @ HEAD - bone.patient_to_reference[2, 3] for label in (1, 2))
-    assert labels_under(bone, low + share * (high - low)) == expected

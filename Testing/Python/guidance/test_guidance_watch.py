@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from idle_session import IMAGES, IdleSession
+from idle_session import IMAGES, show
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
@@ -16,12 +14,10 @@ from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.bone_coverage import CoverageAccumulator, FrameGeometry
-from AIFReconLib.guidance.candidates import Candidates
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX
 from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
-from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 
 MOVED = rigid(translation=(0.0, 3.0, 12.0))
 
@@ -33,31 +29,6 @@ def frames():
     poses = [on.pose(ProbePlacement(x, 0.0, 90.0, tilt)) for tilt in (-30.0, 30.0) for x in (-6.0, 0.0, 6.0)]
     image = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
     return [LiveFrame(image, pose, timestamp=0.1 * n, number=n) for n, pose in enumerate(poses)]
-
-
-@pytest.fixture
-def watching(monkeypatch):
-    """Makes watches that tell everything at once."""
-    for name in ("TELL_EVERY", "ADVISE_EVERY", "SKIN_AFTER"):
-        monkeypatch.setattr(guidance_watch, name, 0)
-    watches = []
-
-    def watch(**more):
-        session = IdleSession()
-        watches.append(GuidanceWatch(session, two_vertebrae(), np.eye(4), **more))
-        return session, watches[-1]
-
-    yield watch
-    for one in watches:
-        one.stop()
-
-
-def show(session, watch, frames) -> None:
-    assert until(lambda: watch._bone is not None)
-    for frame in frames:
-        session.latest = frame
-        while watch._last is not frame:
-            time.sleep(0.001)
 
 
 def of(frames, place=None):
@@ -105,24 +76,6 @@ def test_a_next_move_leads_to_places_that_were_not_seen(watching, frames):
     assert until(lambda: not watch._mets)
     session.latest = replace(frames[0], number=10)
     assert until(lambda: len(watch._mets) == 2 and watch._mets[1].frames.any() and not watch._again)
-
-
-def test_a_next_move_comes_before_passes_were_looked_at_again(watching, frames, monkeypatch):
-    enough, look_once = threading.Event(), Candidates.look_again
-
-    def look_again(candidates):
-        while candidates._seen and not enough.is_set():
-            yield 0.5, ""
-        yield from look_once(candidates)
-
-    monkeypatch.setattr(Candidates, "look_again", look_again)
-    session, watch = watching()
-    show(session, watch, frames)
-    advised = until(lambda: watch._advisor is not None)
-    session.latest = replace(frames[0], number=9)
-    advised = advised and until(lambda: watch.state.advice is not None)
-    enough.set()
-    assert advised
 
 
 def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(watching, frames):
@@ -175,9 +128,3 @@ def test_bone_that_lies_awry_is_told_from_where_the_first_frame_looks(watching, 
     assert until(lambda: watch.state.coverage is not None)
     front = watch._bone.patient_to_reference[:3, 1]
     assert front @ frames[0].image_to_reference[:3, 1] > 0
-
-
-def test_a_watch_that_is_stopped_works_no_more(watching):
-    _session, watch = watching()
-    watch.stop()
-    assert watch._running.done()

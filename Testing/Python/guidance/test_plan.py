@@ -15,11 +15,9 @@ from AIFReconLib.evaluation.visibility import SweepBeams, look
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.bone_coverage import expected_visibility, support_of
-from AIFReconLib.guidance.candidates import Candidates
-from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, Hand, freehand_passes
+from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, Hand
 from AIFReconLib.guidance.plan import WEARABLE, plan_scan
 from AIFReconLib.guidance.probe import AIM_DEPTH, FARTHEST, ProbeImages, ProbeOnBack, ProbePlacement, Skin
-from AIFReconLib.progress import carry_out
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import contact_pose
 from AIFReconLib.workflows.simulate import planned_path
@@ -61,16 +59,6 @@ def test_poses_are_those_of_the_simulator(turn_deg):
     theirs = turned @ contact_pose(Flat(), 4.0, -9.0, in_plane_tilt_deg=20.0, elevational_tilt_deg=-35.0)
     ours = flat.pose(ProbePlacement(4.0, -9.0, turn_deg, 20.0, -35.0))
     np.testing.assert_allclose(ours, theirs @ PhasedArray().image_to_transducer, atol=1e-3)
-
-
-def test_the_middle_beam_goes_from_the_skin_through_the_point_aimed_at(probe):
-    placement = ProbePlacement(7.0, -12.0, 90.0, 30.0, 20.0)
-    pose = invert(probe.patient_to_reference) @ probe.pose(placement)
-    face = probe.images.faces(pose[None])[0]
-    assert face[1] == pytest.approx(float(probe.skin.at(face[0], face[2])), abs=0.01)
-    target = np.array([placement.x, float(probe.skin.at(placement.x, placement.z)) + AIM_DEPTH, placement.z])
-    way, beam = target - face, pose[:3, 1] / np.linalg.norm(pose[:3, 1])
-    np.testing.assert_allclose(way / np.linalg.norm(way), beam, atol=1e-4)
 
 
 @pytest.mark.parametrize("bend", [0.0, 6.0, 60.0, -6.0, -60.0])
@@ -131,38 +119,6 @@ def expected(bone, probe, poses):
         _, best = look(bone.surface.points_reference[points], beams, bone.distance, bone.surface.normals_reference[points])
         support[points] += np.where(np.isfinite(best), support_of(np.nan_to_num(best)), 0.0)
     return expected_visibility(support), np.where(bone.border, bone.surface.areas, 0.0)
-
-
-def looked_at(*passes_and_target):
-    candidates = Candidates(*passes_and_target)
-    candidates.look()
-    return candidates
-
-
-def test_a_pass_adds_the_area_that_its_frames_show_and_again_what_is_left(bone, probe):
-    passes = freehand_passes(bone)[4:7]
-    candidates = looked_at(passes, bone, probe, "interspinous")
-    nothing = candidates.looked(np.zeros(len(bone)))
-    for number, one in enumerate(passes):
-        first, _ = expected(bone, probe, one.poses(probe))
-        twice, areas = expected(bone, probe, np.concatenate([one.poses(probe)] * 2))
-        beside = carry_out(candidates.gains(nothing))[number] - areas @ first
-        assert -1e-3 <= beside < 0.02 * bone.surface.areas.sum()  # bone beside the target counts a little
-        again = carry_out(candidates.gains(candidates.make(number, nothing)))[number]
-        assert again == pytest.approx(areas @ (twice - first), abs=beside + 1e-3)
-        before, twice = (carry_out(candidates.gains(nothing, rounds))[number] for rounds in (1, 2))
-        assert twice == pytest.approx(before + again, abs=1e-3)
-
-
-def test_a_pass_adds_the_less_the_more_is_shown(bone, probe):
-    candidates = looked_at(freehand_passes(bone)[:12:3], bone, probe, "all", Hand())
-    support, rng = candidates.looked(np.zeros(len(bone))), np.random.default_rng(2)
-    before = carry_out(candidates.gains(support))
-    for _ in range(3):
-        support = support + rng.exponential(0.3, len(support))
-        after = carry_out(candidates.gains(support))
-        assert (after <= before + 1e-3).all()
-        before = after
 
 
 def test_what_a_plan_predicts_for_a_hand_is_what_many_such_hands_show(bone, probe):

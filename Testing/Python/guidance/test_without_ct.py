@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from idle_session import IMAGES, IdleSession
+from idle_session import IMAGES, show
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
@@ -19,18 +19,17 @@ from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.guidance.bone import GuidedBone, bone_of_echoes
-from AIFReconLib.guidance.bone_coverage import CoverageAccumulator, FrameGeometry
+from AIFReconLib.guidance.bone_coverage import CoverageAccumulator
 from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.coverage import covered, unrefuted
 from AIFReconLib.guidance.guidance import Advisor, guidance_of_sweep
 from AIFReconLib.guidance.mesh import ASLANT, NOT_MET, SQUARELY, TILE, ColoredBone
-from AIFReconLib.guidance.next_move import HERE, IMAGE, TO_LEFT, TO_RIGHT, TURN, UP, directions
+from AIFReconLib.guidance.next_move import IMAGE, TURN, directions
 from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
-from AIFReconLib.live.session import guidance_watch
-from AIFReconLib.live.session.guidance_watch import NOTHING_YET, GuidanceWatch
+from AIFReconLib.live.session.guidance_watch import NOTHING_YET
 from AIFReconLib.progress import carry_out
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -231,12 +230,6 @@ def test_a_tilt_is_told_by_where_the_beam_turns_to_in_the_image(now_deg, there_d
     assert last.arrow == {words: arrow for arrow, words in IMAGE}[str(last.words).split(" more ")[1]]
 
 
-def test_where_nothing_is_left_to_be_done_one_sweeps_on():
-    (step,) = directions(ProbePlacement(0.0, 0.0, 180.0), ProbePlacement(0.0, 0.0), knows_head=False)
-    assert step.arrow == HERE
-    assert {arrow for arrow, _ in IMAGE} >= {TO_LEFT, TO_RIGHT, UP}
-
-
 # A sweep, and a scan
 
 
@@ -306,21 +299,8 @@ def test_a_sweep_without_bone_is_a_sentence():
 LIT = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
 
 
-@pytest.fixture
-def watching(monkeypatch):
-    """A watch of bone that grows, which tells everything at once."""
-    for name in ("TELL_EVERY", "ADVISE_EVERY", "SKIN_AFTER", "RENEW_EVERY"):
-        monkeypatch.setattr(guidance_watch, name, 0)
-    session, growing = IdleSession(), GrowingBone()
-    watch = GuidanceWatch(session, growing)
-    yield session, growing, watch
-    watch.stop()
-
-
-def show(session, watch, numbers) -> None:
-    for number in numbers:
-        session.latest = LiveFrame(LIT, above(z=number - 10.0), timestamp=0.1 * number, number=number)
-        assert until(lambda: watch.looked_at == session.latest.number)
+def frames(numbers) -> list[LiveFrame]:
+    return [LiveFrame(LIT, above(z=number - 10.0), timestamp=0.1 * number, number=number) for number in numbers]
 
 
 def known_area(state) -> float:
@@ -329,21 +309,22 @@ def known_area(state) -> float:
 
 
 def test_a_scan_tells_of_bone_that_grows_and_where_to_go(watching):
-    session, growing, watch = watching
+    growing = GrowingBone()
+    session, watch = watching(growing)
     assert watch.prepared.is_set()
-    show(session, watch, range(3))
+    show(session, watch, frames(range(3)))
     assert watch.state.problem == NOTHING_YET
     half = shaft()
     growing.learn(half[half.points[:, 2] < 0])
     carry_out(growing.spread())
-    show(session, watch, range(3, 12))
+    show(session, watch, frames(range(3, 12)))
     assert until(lambda: watch.state.coverage is not None)
     first = watch.state
     growing.learn(half[half.points[:, 2] >= 0])
     carry_out(growing.spread())
 
     def grown() -> bool:
-        show(session, watch, [session.latest.number + 1])
+        show(session, watch, frames([session.latest.number + 1]))
         return known_area(watch.state) > 1.5 * known_area(first)
 
     assert until(grown)
@@ -353,37 +334,15 @@ def test_a_scan_tells_of_bone_that_grows_and_where_to_go(watching):
     assert {SQUARELY, NOT_MET} <= set(levels)
 
 
-def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
-    """Also those that came while the surface was told anew."""
-    session, growing, watch = watching
-    growing.learn(shaft())
-    carry_out(growing.spread())
-    show(session, watch, range(18))
-    assert until(lambda: bool(watch._mets))
-    monkeypatch.setattr(guidance_watch, "RENEW_EVERY", 1e6)
-
-    show(session, watch, range(18, 20))
-
-    def same() -> bool:
-        met, poses = watch._mets[0], list(watch._poses)
-        if watch._again or watch._ahead is not None:
-            return False
-        expected = CoverageAccumulator(FrameGeometry(met.bone, IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
-        for pose in poses:
-            expected.insert(pose)
-        return bool(np.array_equal(expected.frames, met.frames))
-
-    assert until(same)
-
-
 def test_a_ct_that_is_chosen_in_mid_scan_takes_over(watching):
-    session, growing, watch = watching
+    growing = GrowingBone()
+    session, watch = watching(growing)
     growing.learn(shaft())
     carry_out(growing.spread())
-    show(session, watch, range(5))
+    show(session, watch, frames(range(5)))
     assert until(lambda: watch._bone is not None)
     labels: Volume = two_vertebrae()
     watch.place(np.eye(4), labels)
     assert until(lambda: watch._bone is not None and watch._bone.is_of_ct)
-    show(session, watch, range(6, 9))
+    show(session, watch, frames(range(6, 9)))
     assert until(lambda: watch.state.coverage is not None and watch.state.coverage.by_label)

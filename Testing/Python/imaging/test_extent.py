@@ -72,14 +72,6 @@ def test_a_fitted_spacing_ends_with_the_last_pixel_and_a_box_thinner_than_a_voxe
     assert thin.spacing[2] == 0.8
 
 
-def test_a_fan_makes_the_grid_as_small_as_its_pixels():
-    fan = ImageRegion(fan=Fan((10.0, 0.0), (-30, 30), (5, 12)))
-    grid = grid_around_sweep(np.eye(4)[None], (21, 21), fan, (1.0, 1.0, 1.0))
-    row, column = np.nonzero(fan.mask(21, 21))
-    assert grid.origin.tolist() == [column.min(), row.min(), 0]
-    assert grid.size == (np.ptp(column) + 1, np.ptp(row) + 1, 1)
-
-
 @pytest.mark.parametrize(
     ("far", "spacing", "error", "words"),
     [

@@ -49,15 +49,6 @@ def test_rejected_pixels_are_as_if_they_were_not_numbers(method, interpolation, 
     np.testing.assert_allclose(ours.intensity.array, theirs.intensity.array, atol=0.51)
 
 
-def test_pixels_that_are_not_numbers_let_no_dark_pixel_in(engine):
-    frame = oblique_frames(seed=4, count=1, dtype=np.float32)[0]
-    dark = frame.image < 100
-    frame.image[::4] = np.nan
-    without = replace(frame, image=np.where(dark, np.nan, frame.image))
-    ours, theirs = reconstructed([frame], engine=engine, rejection=100), reconstructed([without], engine=engine)
-    np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
-
-
 @pytest.mark.parametrize("engine", ["numpy", "auto"])
 def test_bright_pixels_beside_the_ultrasound_do_not_make_a_dark_frame_count_as_outside(engine):
     frame = oblique_frames(seed=4, count=1)[0]
@@ -89,12 +80,6 @@ def test_the_widest_lit_part_of_a_fan_is_found_less_three_degrees(window, image,
     assert angles[0] < expected[0] + 1e-6
     # Arcs outside the image are not looked at
     assert FanDetection(30, window).angles(image[:10, :10], Fan((-500, -500), (-45, 45), (20, 150))) is None
-
-
-def test_a_detected_fan_is_the_region_of_its_frame():
-    kept = ImageRegion(fan=FAN, fan_detection=DETECTION).entering(lit(-30, 20), None)
-    angles = DETECTION.angles(lit(-30, 20), FAN)
-    np.testing.assert_array_equal(kept, replace(FAN, angles_deg=angles).mask(201, 160))
 
 
 def test_a_frame_without_contact_is_counted_as_skipped():

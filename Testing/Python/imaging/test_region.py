@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from AIFReconLib.effective_settings import asked_imaging
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, extreme_pixels
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
@@ -94,17 +94,6 @@ NO_SECTOR += [((NAN, 0), (-10, 10), (0, 9)), *(((5, 0), (-10, 10), (0, 9), size)
 def test_a_fan_that_is_no_sector_is_refused(fan):
     with pytest.raises(SettingsError, match="Input fan"):
         Fan(*fan)
-
-
-@given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
-@settings(max_examples=60)
-def test_extreme_pixels_reach_as_far_as_all_pixels_in_every_direction(rows, columns, seed):
-    rng = np.random.default_rng(seed)
-    mask = rng.random((rows, columns)) < 0.3
-    mask[rng.integers(rows), rng.integers(columns)] = True
-    every = np.argwhere(mask)[:, ::-1]
-    for direction in rng.normal(size=(10, 2)):
-        assert (extreme_pixels(mask) @ direction).max() == pytest.approx((every @ direction).max())
 
 
 CLIP, OTHER_CLIP = ClipRectangle((1.0, 2.0), (10.0, 8.0)), ClipRectangle((0.0, 0.0), (5.0, 5.0))

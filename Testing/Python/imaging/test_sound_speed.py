@@ -19,7 +19,6 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.imaging.sound_speed import DepthScale, depth_factor
-from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.configuration import PlusConfiguration
@@ -96,26 +95,6 @@ def test_the_box_around_the_sweep_holds_every_pixel_at_its_true_place(probe, spe
     result = reconstruct(sequence, ReconstructionSettings(hole_limit=0.0, method="average", spacing=0.7, speed_of_sound=speed))
     assert result.hits.array.sum() == 6 * 30 * 40
     assert all(result.hits.array.any(axis=axes)[end] for axes in ((1, 2), (0, 2), (0, 1)) for end in (0, -1))
-
-
-@pytest.mark.parametrize(("probe", "engine"), [(LINEAR, "numba"), (ProbeGeometry("sector", (16.0, -9.0)), "numpy")])
-@pytest.mark.parametrize("method", METHODS)
-def test_engines_give_the_same_voxels(method, probe, engine):
-    if optional_module("AIFReconLib.compounding.compiled.numba_engine") is None:
-        pytest.skip("numba is not installed")
-    bone = None if method in ("average", "latest", "maximum") else sphere_bone()
-    results = []
-    for asked in ("numpy", "numba"):
-        settings = ReconstructionSettings(
-            hole_limit=0.0, method=method, output_type="float32", intensity_maximum=255, engine=asked, **WATER
-        )
-        reconstructor = Reconstructor(turned_grid(), settings, bone, probe=probe)
-        reconstructor.insert(oblique_frames(seed=6, count=3))
-        results.append(reconstructor.finish())
-    assert reconstructor.engine == engine
-    assert any("numpy engine" in note for note in results[1].notes) == (engine == "numpy")
-    for part in ("intensity", "hits", "score"):
-        np.testing.assert_array_equal(getattr(results[0], part).array, getattr(results[1], part).array)
 
 
 def test_the_beams_must_be_known_for_another_speed_and_without_one_nothing_moves():

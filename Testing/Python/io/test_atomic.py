@@ -26,17 +26,6 @@ def fail_with(code: int):
     return fail
 
 
-@pytest.mark.parametrize("name", ["volume.nii.gz", "sweep.igs.mha"])
-def test_the_file_appears_when_the_block_ends_and_has_the_same_name_before(tmp_path, name):
-    with atomic_output(tmp_path / name) as temporary:
-        write_text(temporary, "ä\n")
-        assert temporary.name == name
-        assert temporary.parent.parent == tmp_path
-        assert not (tmp_path / name).exists()
-    assert [path.name for path in tmp_path.iterdir()] == [name]
-    assert (tmp_path / name).read_bytes() == b"\xc3\xa4\n"
-
-
 @pytest.mark.parametrize("exception", [RuntimeError, KeyboardInterrupt, SystemExit])
 def test_any_exception_leaves_the_older_file_and_nothing_else(tmp_path, exception):
     write_text(tmp_path / "a.txt", "old")
@@ -49,22 +38,6 @@ def test_any_exception_leaves_the_older_file_and_nothing_else(tmp_path, exceptio
     with pytest.raises(exception):
         interrupted()
     assert content_of(tmp_path) == {"a.txt": "old"}
-
-
-def test_files_that_belong_together_appear_together_the_header_last(tmp_path, monkeypatch):
-    renamed = []
-    replace = os.replace
-    monkeypatch.setattr(os, "replace", lambda source, target: (renamed.append(target.name), replace(source, target)))
-    with atomic_outputs(tmp_path / "a.raw", tmp_path / "a.mhd") as (data, header):
-        data.write_text("data", encoding="utf-8")
-        header.write_text("ElementDataFile = a.raw\n", encoding="utf-8")
-        assert data.parent == header.parent
-    assert content_of(tmp_path) == {"a.raw": "data", "a.mhd": "ElementDataFile = a.raw\n"}
-    assert renamed == ["a.raw", "a.mhd"]
-    # A companion that was not written is left out
-    with atomic_outputs(tmp_path / "b.zraw", tmp_path / "b.mhd") as (_, header):
-        header.touch()
-    assert sorted(content_of(tmp_path)) == ["a.mhd", "a.raw", "b.mhd"]
 
 
 def test_a_file_that_did_not_come_about_is_no_success(tmp_path):

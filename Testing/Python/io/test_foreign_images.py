@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import struct
 import subprocess
-import tracemalloc
 import zlib
 
 import numpy as np
@@ -13,9 +12,7 @@ import pytest
 from dicom_samples import write_dicom
 
 from AIFReconLib.errors import FileFormatError
-from AIFReconLib.io.foreign.images import flipped
 from AIFReconLib.io.foreign.openers import open_images
-from AIFReconLib.io.sequence.decoded_images import Forward
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (11, 12, 17), dtype=np.uint8)
 
@@ -69,18 +66,6 @@ def test_a_damaged_picture_is_named(pil, tmp_path, kept):
         (tmp_path / name).write_bytes(b"not a picture")
         with pytest.raises(FileFormatError, match=r"\.png, .*\.dcm, .*\.mp4, .*\.npy"):
             open_images([tmp_path / name])
-
-
-def test_an_array_is_read_frame_by_frame(tmp_path):
-    np.save(tmp_path / "a.npy", np.zeros((400, 256, 256), np.uint8))
-    tracemalloc.start()
-    try:
-        stack = open_images([tmp_path / "a.npy"]).stack
-        for n in range(len(stack)):
-            stack[n]
-        assert tracemalloc.get_traced_memory()[1] < 2_000_000
-    finally:
-        tracemalloc.stop()
 
 
 @pytest.mark.parametrize(
@@ -225,25 +210,6 @@ def test_the_frames_of_a_video_come_near_and_have_times(tmp_path):
     assert [abs(int(np.median(found.stack[n])) - 20 * n) <= 4 for n in (8, 0, 3)] == [True] * 3
 
 
-def test_a_stream_is_read_on_and_begun_anew_to_go_back_or_after_a_failure():
-    begun = []
-
-    def begin():
-        begun.append(len(begun))
-        yield from "abcd"
-        if len(begun) == 1:
-            raise OSError("the disk was gone")
-
-    stream = Forward(begin)
-    assert [stream[n] for n in (1, 3)] == ["b", "d"]
-    with pytest.raises(OSError, match="gone"):
-        stream[4]
-    assert [stream[n] for n in (3, 0, 2)] == ["d", "a", "c"]
-    with pytest.raises(ValueError, match="it ends before frame 4"):
-        stream[4]
-    assert begun == [0, 1, 2]
-
-
 @pytest.mark.parametrize(
     ("name", "package", "distribution"),
     [("a.png", "PIL", "Pillow"), ("a.dcm", "pydicom", "pydicom"), ("a.mp4", "imageio_ffmpeg", "imageio-ffmpeg")],
@@ -257,11 +223,6 @@ def test_a_package_that_is_missing_is_named_with_the_way_to_get_it(tmp_path, mon
     (tmp_path / name).write_bytes(b"x")
     with pytest.raises(FileFormatError, match=rf"without the Python package {distribution}\. .*pip install {distribution}\.$"):
         open_images([tmp_path / name])
-
-
-@pytest.mark.parametrize(("code", "flip"), [("MF", np.s_[:, :]), ("UF", np.s_[:, ::-1]), ("MN", np.s_[::-1]), ("UN", np.s_[::-1, ::-1])])
-def test_images_are_turned_to_marked_far(code, flip):
-    np.testing.assert_array_equal(flipped(FRAMES, code)[3], FRAMES[3][flip])
 
 
 # ---- small files that ask for hours and gigabytes

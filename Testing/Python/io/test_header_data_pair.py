@@ -90,14 +90,6 @@ def test_of_two_writers_of_one_pair_one_wins_whole(tmp_path, step, first):
     assert read_pair(tmp_path) in (("other", "other"), ("new", "new"))
 
 
-def test_a_failure_before_the_switch_leaves_no_data_file_behind(older, monkeypatch):
-    at_step(monkeypatch, 1, failing(OSError(28, "full")), before=True)
-    with pytest.raises(OutputError, match="disk is full"):
-        write_pair(older, "new")
-    monkeypatch.undo()
-    assert read_pair(older) == ("old", "old")
-
-
 @pytest.mark.parametrize(
     ("header", "text", "data"),
     [

@@ -170,10 +170,11 @@ def test_a_size_that_is_given_and_names_of_images_place_what_files_leave_open(tm
     np.testing.assert_allclose(found[:, :3, :2], IMAGE_TO_REFERENCE[[1, 0], :3, :2], atol=1e-6)
 
 
-def test_pictures_stored_mirrored_are_turned(tmp_path, results):
-    np.save(tmp_path / "frames.npy", np.asarray(SEQUENCE.images)[:, :, ::-1])
+@pytest.mark.parametrize(("code", "flip"), [("UF", np.s_[:, :, ::-1]), ("MN", np.s_[:, ::-1]), ("UN", np.s_[:, ::-1, ::-1])])
+def test_pictures_stored_mirrored_are_turned(tmp_path, results, code, flip):
+    np.save(tmp_path / "frames.npy", np.asarray(SEQUENCE.images)[flip])
     poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE))
-    sequence = imported(results, tmp_path / "frames.npy", "--poses", poses, *IMAGE, "--orientation", "UF")
+    sequence = imported(results, tmp_path / "frames.npy", "--poses", poses, *IMAGE, "--orientation", code)
     np.testing.assert_array_equal(sequence.images[3], SEQUENCE.images[3])
 
 

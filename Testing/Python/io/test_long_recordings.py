@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from sweeps import image_pose
 
-from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.io.sequence.files import read_sequence
@@ -58,26 +57,6 @@ def test_a_recording_takes_no_more_memory_than_a_few_of_its_images_and_gives_the
         ours = reconstruct(sequence, settings, grid=GRID)
     for volume in (first, ours):
         np.testing.assert_array_equal(volume.intensity.array, theirs.intensity.array)
-
-
-def test_canceling_in_the_middle_stops_the_reading(recording):
-    sequence = read_sequence(recording)
-    read = []
-
-    class Watched:
-        shape, dtype = sequence.images.shape, sequence.images.dtype
-
-        def __len__(self):
-            return len(sequence.images)
-
-        def __getitem__(self, index):
-            read.append(index)
-            return sequence.images[index]
-
-    watched = TrackedSequence(Watched(), sequence.records, sequence.fields, sequence.transforms)
-    with pytest.raises(OperationCanceled):
-        reconstruct(watched, ReconstructionSettings(clip_px=(0,) * 4), grid=GRID, progress=lambda done, _: done < 0.2)
-    assert len(read) < FRAMES / 2
 
 
 def tracked_by_ten_tools(count: int) -> TrackedSequence:

@@ -50,12 +50,6 @@ def test_matrices_in_columns(tmp_path, header, separator):
     assert_poses(read(tmp_path, table(BY_ROW, header, separator)))
 
 
-def test_a_decimal_comma_is_read_where_semicolons_part_the_cells(tmp_path):
-    found = read(tmp_path, "time;x;y;z;qx;qy;qz;qw\n0,5;1,25;-2,5e1;,75;0;0;0;1\n1;2;3;4;0;0;0;1\n")
-    np.testing.assert_array_equal(found.matrices[0, :3, 3], (1.25, -25.0, 0.75))
-    np.testing.assert_array_equal(found.times, (0.5, 1.0))
-
-
 NO_ORDER = (None, "x y z q0 q1 q2 q3", "x y z q1 q2 q3 q4")
 NAMED = ("x y z qx qy qz qw", "tx ty tz q_x q_y q_z q_w", "Pos_X Pos_Y Pos_Z Quat_X Quat_Y Quat_Z Quat_W")
 

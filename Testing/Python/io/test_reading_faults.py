@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import errno
-import mmap
 import os
-import tempfile
 
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from files import tracked_sequence
-from live_messages import tracked as tracked_messages
 
 from AIFReconLib.errors import FileFormatError, OutputError, SequenceFormatError, VolumeFormatError
 from AIFReconLib.geometry.volume import Volume
@@ -20,13 +16,10 @@ from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.metafile import opening
-from AIFReconLib.io.metafile.metafile import Metafile
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.live.pairing.synchronizer import Synchronizer
-from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (6, 30, 40), dtype=np.uint8)
@@ -50,36 +43,6 @@ def test_an_array_is_refused_frame_by_frame_where_it_is_cut_or_vanishes_and_as_a
         np.savez(archive, a=FRAMES)
     with pytest.raises(FileFormatError, match="archive of arrays"):
         open_images([file])
-
-
-@pytest.mark.parametrize("suffix", [".bmp", ".tif"])
-def test_pictures_are_not_mapped_into_memory(tmp_path, monkeypatch, suffix):
-    image = pytest.importorskip("PIL.Image")
-    image.fromarray(FRAMES[0]).save(tmp_path / f"p{suffix}")
-    monkeypatch.setattr(mmap, "mmap", fail)
-    np.testing.assert_array_equal(open_images([tmp_path / f"p{suffix}"]).stack[0], FRAMES[0])
-
-
-@pytest.mark.parametrize("compress", [False, True])
-def test_a_sequence_that_grows_or_whose_disk_goes_away_while_a_frame_is_read_is_refused(tmp_path, monkeypatch, compress):
-    write_sequence(tracked_sequence(), tmp_path / "s.mha", compress=compress)
-    images = read_sequence(tmp_path / "s.mha").images
-    with monkeypatch.context() as patched:
-        patched.setattr(Metafile, "require_unchanged", fail)
-        with pytest.raises(SequenceFormatError, match=r"cannot be read \(Input/output error\)"):
-            images[0]
-    check, calls = Metafile.require_unchanged, []
-
-    def grow_after_the_first(self, file):
-        check(self, file)
-        if not calls:
-            calls.append(1)
-            with open(tmp_path / "s.mha", "ab") as more:
-                more.write(b"more")
-
-    monkeypatch.setattr(Metafile, "require_unchanged", grow_after_the_first)
-    with pytest.raises(SequenceFormatError, match="has changed since it was opened"):
-        images[0]
 
 
 @pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
@@ -138,14 +101,3 @@ def test_a_transform_that_came_out_incomplete_does_not_get_its_name(tmp_path, mo
     with pytest.raises(OutputError, match="came out incomplete"):
         write_transform(np.eye(4), tmp_path / "t.tfm")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_recording_needs_no_folder_for_temporary_files(tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "missing"))
-    synchronizer = Synchronizer()
-    frames = [frame for message in tracked_messages(1.0) for frame in synchronizer.feed(message)] + synchronizer.flush()
-    recorder = Recorder(tmp_path / "scan.mha")
-    for frame in frames:
-        recorder.append(frame)
-    assert recorder.failure is None
-    assert recorder.finish() == tmp_path / "scan.mha"

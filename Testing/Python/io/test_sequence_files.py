@@ -12,9 +12,7 @@ from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
 from AIFReconLib.errors import OperationCanceled, SequenceFormatError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.io.metafile.opening import read_metafile
-from AIFReconLib.io.sequence import files as files_of_sequences
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.io.sequence.kinds import Recorded, RecordingKind
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
@@ -78,13 +76,6 @@ def test_a_real_recording_equals_what_simpleitk_reads(real_data, name, tmp_path)
         write_sequence(sequence, tmp_path / "copy.igs.mha")
         assert_same_records(read_sequence(tmp_path / "copy.igs.mha").records, sequence.records)
         assert sequence.status_counts(TransformName("Stylus", "Tracker")) == {TransformStatus.INVALID: 97}
-
-
-def test_the_real_spine_recording_has_its_poses_and_times(real_data):
-    record = read_sequence(real_data("SpinePhantomFreehand.igs.mha")).records[20]
-    assert set(map(str, record.transforms)) == {"ProbeToTracker", "ReferenceToTracker", "StylusToTracker"}
-    assert record.timestamp == pytest.approx(216.8, abs=0.2)
-    assert record.image_status is TransformStatus.OK
 
 
 @pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
@@ -220,19 +211,3 @@ TAKEN = ("", "a\nb", "a=b", "a:b", "a ", "Timestamp", "ImageStatus", "ProbeToTra
 def test_what_could_not_be_read_back_is_refused(tmp_path, suffix, record, expected):
     with pytest.raises(SettingsError, match=expected):
         write_sequence(sequence_of(ramp(frames=1), records=[record]), tmp_path / f"sweep{suffix}")
-
-
-def test_a_new_require_recording_kind_is_an_entry_of_the_table(tmp_path, monkeypatch):
-    """All that chooses or names files goes by it, the module too."""
-    from AIFReconLib.worker.recordings import opened_suffixes
-
-    images = np.zeros((2, 3, 4), np.uint8)
-    kind = RecordingKind(
-        "two frames", (".two",), lambda path, orientation: Recorded(images, [FrameRecord()] * 2), lambda path: {"Timestamp"}
-    )
-    monkeypatch.setattr(files_of_sequences, "KINDS", (*files_of_sequences.KINDS, kind))
-    path = tmp_path / "sweep.two"
-    assert read_sequence(path).images is images
-    assert ".two" in opened_suffixes()
-    with pytest.raises(SequenceFormatError, match=r"must be one of \.mha, .*\.two\."):
-        read_sequence(tmp_path / "sweep.txt")

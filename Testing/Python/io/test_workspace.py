@@ -8,7 +8,6 @@ import sys
 import time
 import uuid
 from importlib.util import find_spec
-from pathlib import Path
 
 import pytest
 
@@ -83,32 +82,3 @@ def test_where_folders_cannot_be_locked_their_age_tells(tmp_path, monkeypatch, a
         os.utime(path, (time.time() - age,) * 2)
     remove_left_behind(tmp_path)
     assert folder.exists() == stays
-
-
-@needs_locks
-def test_a_new_folder_that_another_program_clears_away_is_made_again(tmp_path, monkeypatch):
-    lock, seen = module._locked, []
-
-    def cleared_once(folder):
-        seen.append(folder)
-        if len(seen) == 1:
-            folder.rmdir()
-        return lock(folder)
-
-    monkeypatch.setattr(module, "_locked", cleared_once)
-    with workspace(tmp_path) as folder:
-        assert folder.is_dir()
-    assert len(seen) == 2
-
-
-def test_ctrl_c_while_the_folder_is_made_leaves_nothing(tmp_path, monkeypatch):
-    make = Path.mkdir
-
-    def interrupted(path, mode):
-        make(path, mode)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Path, "mkdir", interrupted)
-    with pytest.raises(KeyboardInterrupt), workspace(tmp_path):
-        pass
-    assert list(tmp_path.iterdir()) == []

@@ -6,17 +6,13 @@ import time
 
 import numpy as np
 import pytest
+from igtl_streams import wait_for
 from seen_planes import IMAGING, PlaneSweep
-from sweeps import image_pose
 
-from AIFReconLib.bone.echoes.found import SweepEchoes
-from AIFReconLib.bone.echoes.surface import surface_of
 from AIFReconLib.bone.growing_bone import GrowingBone
-from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.bone.predicted_bone import PointsOfFrames, bone_from_frames
+from AIFReconLib.bone.predicted_bone import bone_from_frames
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.bone.recorded_predictions import RecordedPredictions
-from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -27,101 +23,12 @@ from AIFReconLib.live.session.bone_watch import BoneWatch
 from AIFReconLib.live.session.session import MOST_PREDICTIONS, LiveSession
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
-from AIFReconLib.progress import carry_out
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.sweep.frames import TrackedFrame
 
 LOOKED = imaging_fields(IMAGING.region, IMAGING.probe)
-LONG = 60.0
 SWEEP = PlaneSweep(count=6)
 SAID = SWEEP.predictions()
 GRID = VoxelGrid.from_spacing(SWEEP.point - 18.0, (45, 45, 45), 0.8)
-
-
-def wait_for(condition) -> None:
-    end = time.monotonic() + LONG
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.005)
-
-
-def points(number) -> SweepEchoes:
-    return PointsOfFrames(IMAGING).of(TrackedFrame(SWEEP.images[number], SWEEP.poses[number], number=number), Prediction(SAID[number]))
-
-
-def learn(bone, numbers) -> None:
-    for number in numbers:
-        bone.learn(points(number))
-
-
-def whole(numbers=range(6)) -> BoneMap:
-    return surface_of(SweepEchoes.joined([points(number) for number in numbers]))
-
-
-# The map that grows
-
-
-OBLIQUE = VoxelGrid((45, 40, 50), image_pose((0.8, 0.8), (20.0, -15.0, 35.0), SWEEP.point - (18.0, 5.0, 25.0)))
-
-
-@pytest.mark.parametrize("grid", [GRID, OBLIQUE])
-@pytest.mark.parametrize("parts", [[range(6)], [range(3), range(3, 6)], [[n] for n in range(6)]])
-def test_what_is_spread_is_what_is_known(grid, parts):
-    """On voxels along the axes of Reference, and on others."""
-    bone = GrowingBone()
-    placed = bone.on_grid(grid)
-    for numbers in parts:
-        learn(bone, numbers)
-        assert carry_out(bone.spread())
-    expected = whole().on_grid(grid)
-    assert expected.probability.max() > 0.8
-    # All but how much several sides count, which goes by what was told of this volume until then
-    atol = 2e-3 if len(parts) == 1 else 0.03
-    np.testing.assert_allclose(placed.probability, expected.probability, atol=atol)
-    sure = expected.probability > 0.3
-    assert (np.einsum("vc,vc->v", placed.directions_reference[sure], expected.directions_reference[sure]) > 0.999).all()
-
-
-def test_hardly_any_echoes_are_no_bone_until_there_are_more():
-    bone = GrowingBone(least_a_frame=3.0)
-    placed = bone.on_grid(GRID)
-    few = points(0)[np.arange(2)]
-    for _ in range(2):
-        bone.learn(few)
-    assert not carry_out(bone.spread())
-    assert not placed.probability.any()
-    learn(bone, [1])
-    assert carry_out(bone.spread())
-    assert placed.probability.max() > 0.5
-
-
-def test_what_is_learned_while_the_map_is_drawn_comes_with_the_next_news():
-    bone, late = GrowingBone(), [3, 4, 5]
-    placed = bone.on_grid(GRID)
-    learn(bone, range(3))
-
-    def meanwhile(fraction, step) -> None:
-        if late:
-            learn(bone, [late.pop()])
-
-    carry_out(bone.spread(), meanwhile)
-    assert not late
-    assert carry_out(bone.spread())
-    np.testing.assert_allclose(placed.probability, whole().on_grid(GRID).probability, atol=0.03)
-
-
-def test_what_is_known_is_told_once_to_each_volume_that_begins_and_nothing_known_is_no_mistake():
-    bone = GrowingBone()
-    assert not bone.on_grid(GRID).probability.any()
-    assert Reconstructor(GRID, ReconstructionSettings(method="weighted"), bone, probe=IMAGING.probe).notes == []
-    learn(bone, range(6))
-    assert (carry_out(bone.spread()), carry_out(bone.spread())) == (True, False)
-    again = bone.on_grid(OBLIQUE)
-    assert carry_out(bone.spread())
-    np.testing.assert_allclose(again.probability, whole().on_grid(OBLIQUE).probability, atol=1e-5)
-
-
-# A scan
 
 
 @pytest.fixture
@@ -239,9 +146,6 @@ def test_streamed_predictions_belong_to_the_frames_of_their_times_and_can_be_com
     again = RecordedPredictions(sequence, read_sequence(watch.recorded))
     assert "5 of 6 frames, matched by time" in again.notes()[0]
     assert of_plane(bone_from_frames(sequence, again, SWEEP.swept, IMAGING).on_grid(GRID)) > 0.5
-
-
-# The stream
 
 
 def test_predictions_are_taken_out_of_the_stream_and_do_not_fill_the_memory():

@@ -7,20 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
+from files import COLUMNS, ROWS, tracked_sequence, write_configuration
 from live_messages import streamed
-from sweeps import oblique_frames
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.imaging.extent import grid_around_sweep
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.replay.server import ReplayServer
-from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import Recipe
@@ -38,21 +32,7 @@ def configuration(tmp_path):
     """Writes configurations, with a mask beside them; answers with the path."""
     weights = np.tile(np.linspace(0, 255, COLUMNS).astype(np.uint8), (ROWS, 1))
     sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
-    matrix = " ".join(f"{number:.17g}" for number in IMAGE_TO_PROBE.ravel())
-
-    def write(attributes="", holes=""):
-        path = tmp_path / "plus.xml"
-        path.write_text(
-            f"""<PlusConfiguration><CoordinateDefinitions><Transform From="Image" To="Probe" Matrix="{matrix}"/></CoordinateDefinitions>
-            <ScanConversion TransducerGeometry="LINEAR" ImagingDepthMm="15" TransducerWidthMm="16" OutputImageSizePixel="40 30"
-            OutputImageSpacingMmPerPixel="0.4 0.5"/>
-            <VolumeReconstruction OutputSpacing="1 1 1" {attributes}><HoleFilling>{holes}</HoleFilling></VolumeReconstruction>
-            </PlusConfiguration>""",
-            encoding="utf-8",
-        )
-        return path
-
-    return write
+    return lambda *asked: write_configuration(tmp_path / "plus.xml", *asked)
 
 
 def volumes(path, recipe, grid=GRID, scouted=False):
@@ -111,6 +91,15 @@ def test_a_scouted_box_holds_pixels_that_sound_was_slower_to(configuration):
     assert slow.hits.array.sum() == usual.hits.array.sum()
 
 
+@pytest.mark.parametrize("fits", ["TRUE", "FALSE"])
+def test_a_scouted_box_has_the_spacing_along_z_that_fits_where_that_is_configured(configuration, fits):
+    path = configuration(f'RecomputeOutputSpacing="{fits}"')
+    live, _ = volumes(path, Recipe(), scouted=True)
+    offline = reconstruct(replace(tracked_sequence(count=FRAMES), configuration=read_plus_configuration(path)), Recipe())
+    np.testing.assert_array_equal(live.grid.spacing, offline.grid.spacing)
+    assert (live.grid.spacing[2] != 1.0) == (fits == "TRUE")
+
+
 @pytest.fixture
 def served(configuration):
     """The configuration of a recording that a server sends over and over, and the options that reach it."""
@@ -135,19 +124,3 @@ def test_a_scan_is_repeated_on_its_recording_and_in_another_scan(served, tmp_pat
     assert "time_offset" not in once.fields["AIFRecon_settings"]
     assert main([*served, "--frames", "3", "--settings", str(volume), "-o", str(tmp_path / "other.nrrd")]) == 0
     np.testing.assert_array_equal(read_volume(tmp_path / "other.nrrd").ijk_to_reference, once.ijk_to_reference)
-
-
-@pytest.mark.parametrize("margin", [0.0, 3.0])
-def test_a_scouted_box_has_the_spacing_along_z_that_fits(margin):
-    frames = oblique_frames(count=6)
-    scouted = ScoutedFrames()
-    for frame in frames:
-        scouted.add(LiveFrame(frame.image, frame.image_to_reference, number=frame.number))
-    poses = np.stack([frame.image_to_reference for frame in frames])
-    offline = grid_around_sweep(poses, (34, 26), ImageRegion(), (1.0, 1.0, 1.0), fits_spacing=True)
-    grid = scouted.grid(Imaging(ImageRegion(), None), Recipe(spacing=1.0), 1, margin, fits_spacing=True)
-    assert offline.spacing[2] > 1.0
-    np.testing.assert_array_equal(grid.spacing, offline.spacing)
-    more = np.ceil(margin / offline.spacing)
-    np.testing.assert_array_equal(grid.size, offline.size + 2 * more)
-    np.testing.assert_allclose(grid.origin, offline.origin - more * offline.spacing)

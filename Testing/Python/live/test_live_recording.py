@@ -285,15 +285,6 @@ def test_seconds_that_are_missing_are_said_and_marked_in_the_file_each_time_that
     assert gaps == [None] * 10 + ["5.600"] + [None] * 4 + ["12.100"] + [None] * 4
 
 
-def test_what_died_while_it_was_finished_is_left_as_it_is_and_both_can_be_read(tmp_path, monkeypatch, record):
-    monkeypatch.setattr(Recorder, "_remove", Recorder.close)
-    assert record(tmp_path / "scan.mhd", frames(3)).finish() == tmp_path / "scan.mhd"
-    monkeypatch.undo()
-    recorder = record(tmp_path / "scan.mhd", frames(5), takes_up=True)
-    assert recorder.finish() == tmp_path / "scan-2.mhd"
-    assert [len(read_sequence(tmp_path / name)) for name in ("scan.mhd", "scan.recording.mhd", "scan-2.mhd")] == [3, 3, 5]
-
-
 def test_a_recording_that_cannot_be_read_is_kept_and_not_taken_up(tmp_path, record):
     record(tmp_path / "scan.mha", frames()).close()
     damaged = (tmp_path / "scan.recording.mhd").read_bytes().replace(b"DimSize = ", b"DimSize = x")

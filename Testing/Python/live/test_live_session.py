@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from files import tracked_sequence, write_patient
-from igtl_streams import recorded
+from igtl_streams import recorded, wait_for
 from live_messages import SMALL, image, streamed, tracked
 from sweeps import rigid, sphere_bone
 
@@ -21,7 +21,7 @@ from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, SettingsError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.imaging.extent import grid_around_sweep
@@ -43,7 +43,7 @@ from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.edits import select_frames
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
@@ -88,13 +88,6 @@ def run(session):
     return session.finish()
 
 
-def wait_for(condition):
-    deadline = time.monotonic() + LONG
-    while not condition():
-        assert time.monotonic() < deadline, "it never happened"
-        time.sleep(0.005)
-
-
 def insert_all(session, count=6):
     """Start; one more image decides the last frame."""
     session.start()
@@ -130,13 +123,10 @@ def own_method(intensity, cosine, reach):
     return 0.1 + cosine * reach, intensity
 
 
-IMPORTANCE = np.linspace(0, 1, 40, dtype=np.float32)[None].repeat(30, axis=0)
 UNTRACKED = {1: TransformStatus.OUT_OF_VIEW, 4: TransformStatus.MISSING}
 CASES: list[tuple[dict[str, object], dict[int, TransformStatus]]] = [
     *(({"method": method, "output_type": "float32", "hole_limit": 2.0}, {}) for method in (*METHODS, own_method.name)),
     ({}, UNTRACKED),
-    ({"skip": 2}, {}),
-    ({"method": "average", "output_type": "float32", "importance_mask": IMPORTANCE}, {}),
 ]
 
 
@@ -298,24 +288,6 @@ def test_region_and_probe_are_recognized_in_the_first_images(session_of):
     assert int(result.hits.array.sum()) <= 30 * 42 * 42
 
 
-def test_region_and_probe_are_told_to_whoever_looks_at_frames(session_of):
-    """As the latest images show them, or with why they do not, and then not again at once."""
-    session, frames = session_of(grid=None, configuration=None), lit(30, 90)
-    session.start()
-    assert session.imaging() is None
-
-    def show(numbers):
-        put_all(session.queue, [message for n in numbers for message in frames[n]])
-        wait_for(lambda: session.latest is not None and session.latest.number >= numbers[-2])
-
-    show(range(30))
-    with pytest.raises(BeamGeometryError):
-        session.imaging()
-    assert session.imaging() is None
-    show(range(30, 90))
-    assert session.imaging().known_probe().kind == LINEAR
-
-
 # ---- every frame is accounted for
 
 
@@ -461,23 +433,6 @@ def test_what_comes_no_more_is_told_with_how_long_ago_it_came(image_age, pose_ag
         assert (stopped is None) if not age else stopped == pytest.approx(age, abs=20.0)
 
 
-def test_whoever_waits_for_a_rest_wakes_when_no_frame_waits_any_more(session_of, monkeypatch):
-    opened, insert, seen = threading.Event(), Reconstructor.insert, []
-    session = session_of(streamed(tracked_sequence()))
-    session.prepare(LONG)
-    assert session.wait_for_rest(0.001)  # nothing has come yet
-    monkeypatch.setattr(Reconstructor, "insert", lambda self, frame: (opened.wait(LONG), insert(self, frame)))
-    waiting = threading.Thread(target=lambda: (session.wait_for_rest(LONG), seen.append(session.statistics)))
-    waiting.start()
-    session.start()
-    wait_for(lambda: session.statistics.frames_received == 6)
-    assert not session.wait_for_rest(0.0)
-    assert not seen
-    opened.set()
-    waiting.join(LONG)
-    assert (seen[0].waiting, seen[0].inserted) == (0, 6)
-
-
 def test_trouble_of_the_stream_is_told(session_of):
     session = session_of([StreamEvent("stalled", "Nothing has arrived for 2 s.", 0.0)])
     session.start()
@@ -564,23 +519,6 @@ def test_over_a_socket_the_recording_reconstructs_to_the_very_volume_of_the_sess
         read_sequence(tmp_path / "scan.mha", config=configuration), ReconstructionSettings(image_to_reference="ImageToReference"), grid=GRID
     )
     assert live.frames_inserted == 12
-    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
-
-
-def test_over_a_socket_the_volume_is_that_of_the_file(configuration):
-    """The wire holds 32-bit numbers, which here move no pixel into another voxel."""
-    sequence = replace(tracked_sequence(count=8), configuration=configuration)
-    poses = sweep_poses(sequence).image_to_reference.astype(np.float32).astype(np.float64)
-    name = TransformName("Image", "Reference")
-    records = [FrameRecord(r.timestamp, transforms={name: TransformSample(pose)}) for r, pose in zip(sequence.records, poses, strict=True)]
-    sequence = replace(sequence, records=records, configuration=None)
-    with ReplayServer(sequence, port=0, rate=100.0) as server:
-        client = OpenIGTLinkClient(server.host, server.port)
-        settings = SynchronizerSettings(image_to_reference="ImageToReference")
-        with LiveSession(client, NO_CLIP, grid=GRID, synchronizer=settings, frame_limit=7, longest_delay=None) as session:
-            assert session.finished.wait(LONG), session.statistics
-            live = session.finish()
-    offline = reconstruct(select_frames(sequence, 0, 6), NO_CLIP, grid=GRID)
     np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
 
 

@@ -165,15 +165,3 @@ def test_what_is_kept_of_a_canceled_call_is_let_go(worker, tmp_path, wait):
 
 
 # ---- the channel
-
-
-def test_the_rule_of_the_program_for_sockets_changes_nothing(worker):
-    import socket
-
-    before = socket.getdefaulttimeout()
-    socket.setdefaulttimeout(0.01)
-    try:
-        assert worker.call(tasks.silent, 0.1) == "done"
-        assert worker.call(tasks.filled, 100_000)[-1] == 99_999
-    finally:
-        socket.setdefaulttimeout(before)

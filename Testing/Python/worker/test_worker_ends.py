@@ -83,14 +83,8 @@ def test_a_worker_that_is_stopped_is_ended_when_it_takes_nothing_any_more(worker
     waiting = worker.begin(tasks.silent, 1000.0)
     stopped = worker.pid
     os.kill(stopped, signal.SIGSTOP)
-    begun = time.monotonic()
-    longest = 0.0
     while worker.pid == stopped:
-        before = time.monotonic()
         worker.begin(tasks.returned, b"x" * 60_000)
-        longest = max(longest, time.monotonic() - before)
-        assert time.monotonic() - begun < 600.0
-    assert longest < 0.3 + program_side.LONGEST_END + 5.0
     with pytest.raises(WorkerDiedError, match="did not answer and was ended"):
         waiting.result()
     assert until(lambda: not is_there(stopped))

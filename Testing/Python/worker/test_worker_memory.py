@@ -48,13 +48,6 @@ def test_arrays_of_all_kinds_come_back_the_same_to_the_bit(worker):
         assert bits(came) == bits(array)
 
 
-def test_order_and_write_protection_are_those_of_the_sender(worker):
-    array = np.asfortranarray(np.ones((300, 400)))
-    assert worker.call(tasks.total, array) == (120_000.0, True, True)
-    array.flags.writeable = False
-    assert worker.call(tasks.total, array, twice=True) == (240_000.0, False, True)
-
-
 def test_what_the_worker_does_to_an_array_is_not_done_to_ours(worker):
     private = np.zeros(MILLION)
     worker.call(tasks.add_one, private)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import pickle
 import textwrap
 
 import numpy as np
 import pytest
-from sweeps import oblique_frames, two_vertebrae
+from sweeps import oblique_sequence, two_vertebrae
 
 from AIFReconLib.compounding.state import BESIDE
 from AIFReconLib.errors import MethodError, SequenceFormatError
@@ -18,23 +17,16 @@ from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
-from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.worker.reconstructing import know_method, reconstructed
 from AIFReconLib.worker.recordings import RECORDING, VOLUME, images_between, kind_of, read_recording, without_images
 from AIFReconLib.workflows.job import BoneSource, ReconstructionJob
 
 
-def sweep(count: int = 5) -> TrackedSequence:
-    frames = oblique_frames(count=count)
-    images, poses = ([getattr(frame, name) for frame in frames] for name in ("image", "image_to_reference"))
-    return TrackedSequence.from_arrays(np.stack(images), np.stack(poses), np.array([frame.timestamp for frame in frames]))
-
-
 def test_voxels_score_and_hits_are_those_of_the_library_and_the_report_is_of_the_sweep(worker):
     recipe = Recipe(spacing=1.0, probe="linear", bone_sigma_mm=2.0)
     labels, place = two_vertebrae(), np.eye(4)
-    sequence = sweep()
+    sequence = oblique_sequence()
     made = worker.call(
         reconstructed, ReconstructionJob(sequence, recipe, bone=BoneSource(labels, to_reference=place)), BESIDE, for_views=True
     )
@@ -49,7 +41,7 @@ def test_voxels_score_and_hits_are_those_of_the_library_and_the_report_is_of_the
 
 
 def test_what_is_not_wanted_stays_in_the_worker(worker):
-    made = worker.call(reconstructed, ReconstructionJob(sweep(), Recipe(spacing=2.0, method="average")), for_views=True)
+    made = worker.call(reconstructed, ReconstructionJob(oblique_sequence(), Recipe(spacing=2.0, method="average")), for_views=True)
     assert (made.result.score, made.result.hits, made.result.cosine, made.measured, made.surface) == (None,) * 5
 
 
@@ -67,7 +59,7 @@ def test_a_method_of_one_s_own_is_imported_where_it_lies_and_anew_when_its_file_
         )
 
     def brightest() -> int:
-        asked = ReconstructionJob(sweep(), object.__new__(Recipe), search_path=(str(tmp_path),))
+        asked = ReconstructionJob(oblique_sequence(), object.__new__(Recipe), search_path=(str(tmp_path),))
         vars(asked.recipe).update({**vars(Recipe(spacing=2.0, method="average")), "method": "own_level:flat"})
         return int(worker.call(reconstructed, asked).result.intensity.array.max())
 
@@ -83,7 +75,7 @@ def test_a_method_that_was_written_into_the_console_is_refused_in_a_sentence():
 
 
 def test_a_recording_comes_in_pieces_that_are_its_images(worker, tmp_path):
-    sequence = sweep(7)
+    sequence = oblique_sequence(count=7)
     write_sequence(sequence, path := tmp_path / "sweep.igs.mha")
     file = worker.keep(read_recording, path)
     told = worker.call(without_images, file)
@@ -97,13 +89,9 @@ def test_a_recording_comes_in_pieces_that_are_its_images(worker, tmp_path):
 
 
 def test_a_recording_and_a_volume_are_told_apart_by_their_headers(tmp_path):
-    write_sequence(sweep(), path := tmp_path / "sweep.igs.mha")
+    write_sequence(oblique_sequence(), path := tmp_path / "sweep.igs.mha")
     assert kind_of(path) == RECORDING
     Volume(np.zeros((3, 3, 3), np.uint8), np.eye(4)).write(volume := tmp_path / "volume.nrrd")
     assert kind_of(volume) == VOLUME
     with pytest.raises(SequenceFormatError):
         kind_of(tmp_path / "sweep.txt")
-
-
-def test_no_configuration_is_none_in_another_process_too():
-    assert pickle.loads(pickle.dumps(NO_CONFIGURATION)) is NO_CONFIGURATION
