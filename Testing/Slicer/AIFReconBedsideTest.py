@@ -1,8 +1,6 @@
 """Self tests of what stands at the bedside: how many clicks a picture takes, the lights, presets, and scenes of the older panel."""
 
 import pathlib
-import sys
-import tempfile
 import unittest
 import unittest.mock
 from dataclasses import replace
@@ -10,29 +8,19 @@ from functools import partial
 
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
-from AIFReconLiveTest import waitFor
-from simulatedPatient import FRAMES, simulated
+from openPanel import OpenPanel
+from simulatedPatient import FRAMES, addPatient, wronglyCalibrated
 
 HERE = pathlib.Path(__file__).resolve().parent
 
 
-class AIFReconBedsideTest(unittest.TestCase):
+class AIFReconBedsideTest(OpenPanel):
     """The panel as somebody meets it who has never seen it."""
 
     def setUp(self):
-        slicer.mrmlScene.Clear()
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
-        self.ui.tabWidget.currentIndex = 0
+        super().setUp()
         self.clicks = 0
-
-    def tearDown(self):
-        slicer.mrmlScene.Clear()
 
     def click(self, button):
         """Click what can be seen and pressed, and count."""
@@ -46,19 +34,12 @@ class AIFReconBedsideTest(unittest.TestCase):
         output = self.parameters.output
         self.assertIsNotNone(output, self.ui.statusLabel.text)
         self.assertTrue(slicer.util.arrayFromVolume(output).any())
-        composite = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
-        self.assertEqual(composite.GetForegroundVolumeID(), output.GetID())
+        self.assertEqual(self.composite().GetForegroundVolumeID(), output.GetID())
 
     def levels(self) -> list:
         """What the lights say: the words on their signs."""
         names = ("tracking", "registration", "coverage", "calibration")
         return [getattr(self.ui, f"{name}SignalLabel").text.split(" ", 1)[1] for name in names]
-
-    def addInputs(self):
-        """Sweep, CT and bone, chosen."""
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.ctVolume, self.parameters.bone, self.registration = tinyScene.addCT()
-        self.parameters.spacing = 1.0
 
     # ---- clicks
 
@@ -89,23 +70,18 @@ class AIFReconBedsideTest(unittest.TestCase):
         ct, bone, registration = tinyScene.addCT()
         off = tinyScene.moved(0.0, 4.0, 0.0) @ tinyScene.matrixOf(registration)
         tinyScene.setMatrix(registration, off)
-        with tempfile.TemporaryDirectory() as folder:
-            paths = [pathlib.Path(folder) / name for name in ("sweep.igs.mha", "CT.nrrd", "vertebrae.seg.nrrd", "place.tfm")]
-            write_sequence(tinyScene.makeSequence(), paths[0])
-            for node, path, kind in zip((ct, bone, registration), paths[1:], ("NRRD", "Segmentation", "Transform")):
-                storage = slicer.mrmlScene.AddNewNodeByClass(f"vtkMRML{kind}StorageNode")
-                storage.SetFileName(str(path))
-                self.assertTrue(storage.WriteData(node), path)
-            slicer.mrmlScene.Clear()
-            self.parameters = self.widget._parameterNode
-            self.widget._recorded._ask = lambda: paths
-            self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
+        paths = [self.folder / name for name in ("sweep.igs.mha", "CT.nrrd", "vertebrae.seg.nrrd", "place.tfm")]
+        write_sequence(tinyScene.makeSequence(), paths[0])
+        for node, path in zip((ct, bone, registration), paths[1:]):
+            tinyScene.write(node, path)
+        slicer.mrmlScene.Clear()
+        with unittest.mock.patch.object(self.widget._recorded, "_ask", return_value=paths):
             self.click(self.ui.openButton)
-            self.parameters.spacing = 1.0
-            self.assertEqual(self.ui.statusLabel.text, "Opened sweep.igs.mha, CT.nrrd, vertebrae.seg.nrrd, place.tfm.")
-            self.assertTrue(self.ui.inputsCollapsibleButton.collapsed)
-            self.click(self.ui.placeButton)
-            self.click(self.ui.applyButton)
+        self.parameters.spacing = 1.0
+        self.assertEqual(self.ui.statusLabel.text, "Opened sweep.igs.mha, CT.nrrd, vertebrae.seg.nrrd, place.tfm.")
+        self.assertTrue(self.ui.inputsCollapsibleButton.collapsed)
+        self.click(self.ui.placeButton)
+        self.click(self.ui.applyButton)
         self.assertPicture()
         self.assertEqual(self.clicks, 3)
         np.testing.assert_allclose(tinyScene.worldOf(self.parameters.bone)[:3, 3], tinyScene.CT_TO_WORLD[:3, 3], atol=4.0)
@@ -121,26 +97,22 @@ class AIFReconBedsideTest(unittest.TestCase):
         calibration, poses = np.diag([*tinyScene.PIXEL, 0.45, 1.0]), [each.transforms[image] for each in sequence.records]
         rigid = [replace(pose, matrix=pose.matrix @ np.linalg.inv(calibration)) for pose in poses]
         records = [FrameRecord(each.timestamp, transforms={probe: pose}) for each, pose in zip(sequence.records, rigid)]
-        with tempfile.TemporaryDirectory() as folder:
-            paths = [pathlib.Path(folder) / name for name in ("place.tfm", "CT.nrrd", "sweep.igs.mha", "calibration.xml")]
-            for node, path, kind in ((registration, paths[0], "Transform"), (ct, paths[1], "NRRD")):
-                storage = slicer.mrmlScene.AddNewNodeByClass(f"vtkMRML{kind}StorageNode")
-                storage.SetFileName(str(path))
-                self.assertTrue(storage.WriteData(node), path)
-            write_sequence(replace(sequence, records=records), paths[2])
-            matrix = " ".join(map(str, calibration.ravel()))
-            paths[3].write_text(
-                "<PlusConfiguration><CoordinateDefinitions>"
-                f'<Transform From="Image" To="Probe" Matrix="{matrix}" /></CoordinateDefinitions></PlusConfiguration>'
-            )
-            slicer.mrmlScene.Clear()
-            self.parameters = self.widget._parameterNode
-            said = []
-            self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
-            for path in paths:
-                self.widget._recorded._ask = lambda path=path: [path]
-                self.ui.openButton.click()
-                said.append(self.ui.statusLabel.text.splitlines()[0])
+        paths = [self.folder / name for name in ("place.tfm", "CT.nrrd", "sweep.igs.mha", "calibration.xml")]
+        tinyScene.write(registration, paths[0])
+        tinyScene.write(ct, paths[1])
+        write_sequence(replace(sequence, records=records), paths[2])
+        matrix = " ".join(map(str, calibration.ravel()))
+        paths[3].write_text(
+            "<PlusConfiguration><CoordinateDefinitions>"
+            f'<Transform From="Image" To="Probe" Matrix="{matrix}" /></CoordinateDefinitions></PlusConfiguration>'
+        )
+        slicer.mrmlScene.Clear()
+        said = []
+        self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
+        for path in paths:
+            self.widget._recorded._ask = lambda path=path: [path]
+            self.ui.openButton.click()
+            said.append(self.ui.statusLabel.text.splitlines()[0])
         self.assertEqual(said[0], "Opened place.tfm. place is taken for the place of the CT that is opened next.")
         self.assertEqual(said[1], "Opened CT.nrrd. The CT lies where place says.")
         self.assertEqual(said[3], "Opened calibration.xml. The recording was read again with this calibration.")
@@ -158,10 +130,8 @@ class AIFReconBedsideTest(unittest.TestCase):
         )
         array = np.zeros((9, 8, 7), np.uint8)
         array[2:6, 1:5, 2:4], array[2:6, 5:7, 2:6] = 2, 7
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "vertebrae.nrrd"
-            Volume(array, oblique).write(path)
-            self.widget.logic.openFiles(self.parameters, [path])
+        Volume(array, oblique).write(self.folder / "vertebrae.nrrd")
+        self.widget.logic.openFiles(self.parameters, [self.folder / "vertebrae.nrrd"])
         bone = self.parameters.bone
         self.assertTrue(bone.IsA("vtkMRMLSegmentationNode"))
         self.assertEqual(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLVolumeNode"), 0)
@@ -172,12 +142,9 @@ class AIFReconBedsideTest(unittest.TestCase):
         np.testing.assert_allclose(labels.ijk_to_reference, oblique, atol=1e-6)
 
     def test_a_file_of_no_kind_is_named_and_nothing_is_read(self):
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "picture.doc"
-            path.write_text("x")
-            with self.assertRaises(Exception) as raised:
-                self.widget.logic.openFiles(self.parameters, [path])
-        self.assertIn("picture.doc", str(raised.exception))
+        (self.folder / "picture.doc").write_text("x")
+        with self.assertRaisesRegex(Exception, "picture.doc"):
+            self.widget.logic.openFiles(self.parameters, [self.folder / "picture.doc"])
 
     # ---- lights
 
@@ -188,7 +155,7 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual(self.levels()[0], "good")
         self.assertIn("11 of 12 frames", self.ui.trackingVerdictLabel.text)
         self.assertIn("echoes", self.ui.registrationVerdictLabel.text)
-        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
+        self.waitForLights()
         self.assertIn("%", self.ui.coverageVerdictLabel.text)
         self.assertNotEqual(self.levels()[2], "not yet")
         self.assertEqual(self.levels()[3], "not yet")
@@ -200,7 +167,7 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual((self.levels(), [label.text for label in labels]), (levels, advised))
         place = self.widget._parameterNode.bone.GetParentTransformNode()
         tinyScene.setMatrix(place, tinyScene.moved(0.0, 0.0, 9.0) @ tinyScene.matrixOf(place))
-        self.assertTrue(waitFor(lambda: self.levels()[1:] == ["not yet"] * 3))
+        self.waitUntil(lambda: self.levels()[1:] == ["not yet"] * 3)
         self.assertEqual(self.levels()[0], "good")
         for unreadable in ("no JSON", "[]", '{"coverage": 1}', '{"coverage": [[], "worse", "", ""]}'):
             self.widget._parameterNode.output.SetAttribute("AIFRecon.Verdicts", unreadable)
@@ -214,16 +181,16 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual(self.levels()[1], "poor")
         self.assertIn("Place the CT", self.ui.registrationVerdictLabel.text)
         self.assertTrue(self.ui.placeButton.isVisibleTo(self.widget.parent))
-        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
+        self.waitForLights()
         self.assertIn("known where CT and sweep agree", self.ui.calibrationVerdictLabel.text)
         # No advice of coverage rests on a CT that lies elsewhere
         self.assertIn("known where CT and sweep agree", self.ui.coverageVerdictLabel.text)
         # Elsewhere nothing is known of it; where it lay, what was known is
         said, place = self.ui.registrationVerdictLabel.text, tinyScene.matrixOf(self.registration)
         tinyScene.setMatrix(self.registration, tinyScene.moved(0.0, 3.0, 0.0) @ place)
-        self.assertTrue(waitFor(lambda: self.levels()[1] == "not yet"))
+        self.waitUntil(lambda: self.levels()[1] == "not yet")
         tinyScene.setMatrix(self.registration, place)
-        self.assertTrue(waitFor(lambda: self.ui.registrationVerdictLabel.text == said))
+        self.waitUntil(lambda: self.ui.registrationVerdictLabel.text == said)
 
     def test_without_a_ct_nothing_is_shown_that_takes_one(self):
         self.addInputs()
@@ -233,28 +200,21 @@ class AIFReconBedsideTest(unittest.TestCase):
         names = ("tracking", "registration", "coverage", "calibration", "motion")
         shown = [name for name in names if getattr(self.ui, f"{name}VerdictLabel").isVisibleTo(self.widget.parent)]
         self.assertEqual(shown, ["tracking", "motion"])
-        picture = next(each for each in self.widget._recorded._followers if type(each).__name__ == "PicturePanel")._ui
+        picture = self.picturePanel()._ui
         self.assertFalse(picture.opacitySliderWidget.isVisibleTo(self.widget.parent))
         self.assertFalse(picture.boneOutlinesCheckBox.isVisibleTo(self.widget.parent))
 
     def calibrated(self, off: float) -> str:
         """What the light *Calibration* says of a patient whose images lie so many mm off, out of their plane."""
-        from AIFReconScene.volumes import phantomSample
-
-        from AIFReconLib.sweep.edits import corrected, with_configured_transforms
-
         slicer.mrmlScene.Clear()
-        patient, step = simulated(phantomSample.simulated_patient, 0, FRAMES), np.eye(4)
-        step[2, 3] = off
-        phantomSample.addPatient(replace(patient, sweep=corrected(with_configured_transforms(patient.sweep), step)))
+        addPatient(sweep=wronglyCalibrated(tinyScene.moved(0.0, 0.0, off)))
         self.widget.initializeParameterNode()
-        self.parameters = self.widget._parameterNode
         self.parameters.spacing = 3.0
         self.click(self.ui.applyButton)
         self.assertPicture()
         self.assertEqual(self.levels()[1], "good")
         self.assertIn("being worked out", self.ui.calibrationVerdictLabel.text)
-        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
+        self.waitForLights()
         return self.ui.calibrationVerdictLabel.text
 
     def test_a_calibration_that_agrees_is_good_and_one_that_is_off_is_told_with_the_command(self):
@@ -299,14 +259,14 @@ class AIFReconBedsideTest(unittest.TestCase):
     def test_a_scan_is_recorded_beside_the_scene_unless_nobody_wants_that(self):
         from AIFReconScene.live.liveFiles import recordingPath
 
-        with tempfile.TemporaryDirectory() as folder:
-            slicer.mrmlScene.SetURL(str(pathlib.Path(folder) / "scene.mrb"))
-            self.addCleanup(slicer.mrmlScene.SetURL, "")
-            self.assertEqual(recordingPath(self.parameters).parent, pathlib.Path(folder))
-            self.parameters.liveRecordPath = pathlib.Path(folder) / "mine.mha"
-            self.assertEqual(recordingPath(self.parameters).name, "mine.mha")
-            self.parameters.liveRecord = False
-            self.assertIsNone(recordingPath(self.parameters))
+        beside = self.folder / "beside"
+        beside.mkdir()
+        slicer.mrmlScene.SetURL(str(beside / "scene.mrb"))
+        self.assertEqual(recordingPath(self.parameters).parent, beside)
+        self.parameters.liveRecordPath = beside / "mine.mha"
+        self.assertEqual(recordingPath(self.parameters).name, "mine.mha")
+        self.parameters.liveRecord = False
+        self.assertIsNone(recordingPath(self.parameters))
 
     def test_a_server_is_looked_for_on_this_computer_first(self):
         from AIFReconLib.live.replay.server import ReplayServer

@@ -1,44 +1,25 @@
 """Self tests of the box to reconstruct in, made by "Create new" in the panel."""
 
-import pathlib
-import sys
-import unittest
-
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
+from openPanel import OpenPanel
 
 
-class AIFReconBoxTest(unittest.TestCase):
+class AIFReconBoxTest(OpenPanel):
     """A box that the user has asked for and not drawn."""
 
     def setUp(self):
+        super().setUp()
         from AIFReconScene.inputs.parameters import Region
 
-        slicer.mrmlScene.Clear()
-        tinyScene.recordElsewhere(self)
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
         self.parameters.spacing = 1.0
         self.parameters.region = Region.BOX
-
-    def tearDown(self):
-        slicer.mrmlScene.Clear()
 
     def create(self):
         """What "Create new" of the box's list does; the box."""
         self.ui.roiSelector.addNode()
         return self.parameters.roi
-
-    def bounds(self, node) -> np.ndarray:
-        """(3, 2) least and most RAS of a node."""
-        bounds = [0.0] * 6
-        node.GetRASBounds(bounds)
-        return np.reshape(bounds, (3, 2))
 
     def test_a_new_box_holds_what_a_reconstruction_around_the_sweep_holds(self):
         from AIFReconScene.inputs.parameters import Region
@@ -50,14 +31,14 @@ class AIFReconBoxTest(unittest.TestCase):
         self.parameters.region, self.parameters.output = Region.AROUND_SWEEP, None
         self.ui.applyButton.click()
         around = self.parameters.output
-        np.testing.assert_allclose(self.bounds(box), self.bounds(around), atol=1.0)
+        np.testing.assert_allclose(tinyScene.boundsOf(box), tinyScene.boundsOf(around), atol=1.0)
         self.assertTrue(slicer.util.arrayFromVolume(within).any())
         sizes = np.array([within.GetImageData().GetDimensions(), around.GetImageData().GetDimensions()])
         self.assertLessEqual(np.abs(np.diff(sizes, axis=0)).max(), 1)
 
     def test_a_new_box_lies_around_the_ct_where_no_sweep_is_chosen(self):
         self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()
-        np.testing.assert_allclose(self.bounds(self.create()), self.bounds(self.parameters.ctVolume), atol=1e-3)
+        np.testing.assert_allclose(tinyScene.boundsOf(self.create()), tinyScene.boundsOf(self.parameters.ctVolume), atol=1e-3)
 
     def test_a_box_without_a_size_cannot_be_reconstructed_in(self):
         box = self.create()

@@ -1,19 +1,12 @@
 """Self tests of the light Calibration: a sweep with a wrong calibration is calibrated in the panel, as a user does it, and back again."""
 
-import pathlib
-import sys
-import unittest
 from dataclasses import replace
-from unittest import mock
 
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
-from AIFReconLiveTest import waitFor
-from simulatedPatient import FRAMES, simulated
+from openPanel import OpenPanel
+from simulatedPatient import addPatient, patient, wronglyCalibrated
 
 BONE = np.array([[240.0, 120.0], [120.0, 150.0], [360.0, 150.0], [240.0, 200.0]])
 """Pixels (column, row) where the images of the simulated patient show bone."""
@@ -27,35 +20,19 @@ def wrongBy(share: float = 1.0) -> np.ndarray:
     return np.linalg.inv(in_mm) @ plane @ in_mm
 
 
-class AIFReconCalibrationTest(unittest.TestCase):
+class AIFReconCalibrationTest(OpenPanel):
     """The buttons, on a patient whose true calibration is known."""
 
     def setUp(self):
-        from AIFReconScene.volumes import phantomSample
+        super().setUp()
 
-        slicer.mrmlScene.Clear()
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
-        self.patient = simulated(phantomSample.simulated_patient, 0, FRAMES)
-        self.wrong = self.wrongly(wrongBy())
+        self.wrong = wronglyCalibrated(wrongBy())
         self.browser = None
         self.ui.calibrationMoreButton.checked = False
 
-    def tearDown(self):
-        slicer.mrmlScene.Clear()
-
-    def wrongly(self, by):
-        """The patient's sweep with a calibration that is wrong by a matrix."""
-        from AIFReconLib.sweep.edits import corrected, with_configured_transforms
-
-        return corrected(with_configured_transforms(self.patient.sweep), by)
-
     def add(self, sweep=None):
         """The patient in the scene, with the wrong sweep; all is chosen. The browser."""
-        from AIFReconScene.volumes import phantomSample
-
-        nodes = phantomSample.addPatient(replace(self.patient, sweep=sweep or self.wrong))
+        nodes = addPatient(sweep=sweep or self.wrong)
         self.browser, self.ctToReference = nodes.browser, nodes.ctToReference
         self.widget.initializeParameterNode()
         self.parameters.spacing = 2.0
@@ -77,7 +54,7 @@ class AIFReconCalibrationTest(unittest.TestCase):
         from AIFReconLib.sweep.poses import sweep_poses
 
         points = np.column_stack([BONE, np.zeros(len(BONE)), np.ones(len(BONE))]).T
-        difference = (self.poses() - sweep_poses(self.patient.sweep).image_to_reference[frames]) @ points
+        difference = (self.poses() - sweep_poses(patient().sweep).image_to_reference[frames]) @ points
         return float(np.median(np.linalg.norm(difference[:, :3], axis=1)))
 
     def calibrate(self) -> str:
@@ -128,11 +105,11 @@ class AIFReconCalibrationTest(unittest.TestCase):
         self.assertGreater(self.off(slice(0, None, 2)), 2.0)
 
     def test_the_light_offers_it_and_does_not_hold_for_the_new_calibration(self):
-        self.add(self.wrongly(wrongBy(0.3)))
+        self.add(wronglyCalibrated(wrongBy(0.3)))
         self.assertFalse(self.ui.calibrateButton.visible)
         self.ui.placeButton.click()
         self.ui.applyButton.click()
-        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking, 60.0))
+        self.waitForLights()
         self.assertIn("mm off", self.ui.calibrationVerdictLabel.text, self.ui.registrationLabel.text)
         self.assertIn("with “Calibrate on this sweep”", self.ui.calibrationVerdictLabel.text)
         self.assertTrue(self.ui.calibrateButton.visible)
@@ -149,7 +126,6 @@ class AIFReconCalibrationTest(unittest.TestCase):
         self.calibrate()
         poses = self.poses()
         tinyScene.saveAndOpenAgain(self)
-        self.parameters = self.widget._parameterNode
         np.testing.assert_allclose(self.poses(), poses, atol=1e-4)
         names = self.transforms()
         self.assertIn("as given agrees with this sweep", self.calibrate())
@@ -162,7 +138,7 @@ class AIFReconCalibrationTest(unittest.TestCase):
 
         name = TransformName("Image", "Probe")
         matrix = np.array(self.wrong.transforms[name].matrix)
-        self.add(replace(self.patient.sweep, configuration=NO_CONFIGURATION))
+        self.add(replace(patient().sweep, configuration=NO_CONFIGURATION))
         node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", str(name))
         # Some calibrations say nothing of the way out of the image
         tinyScene.setMatrix(node, matrix @ np.diag([1.0, 1.0, 0.3, 1.0]))
@@ -180,7 +156,7 @@ class AIFReconCalibrationTest(unittest.TestCase):
 
     def test_where_the_sweep_does_not_tell_nothing_is_changed(self):
         self.add()
-        tinyScene.setMatrix(self.ctToReference, self.patient.ct_to_reference @ tinyScene.moved(0.0, 0.0, 60.0))
+        tinyScene.setMatrix(self.ctToReference, patient().ct_to_reference @ tinyScene.moved(0.0, 0.0, 60.0))
         before, names = self.poses(), self.transforms()
         said = self.calibrate()
         self.assertIn("The calibration was not changed.", said)
@@ -193,18 +169,9 @@ class AIFReconCalibrationTest(unittest.TestCase):
         from AIFReconScene.registration import sweepCalibration
 
         self.add()
-        before, names, inWorker = self.poses(), self.transforms(), sweepCalibration.inWorker
-
-        def canceled(*arguments, progress):
-            def report(share, message):
-                if share >= 0.5:
-                    self.widget._work.cancel()
-                return progress(share, message)
-
-            return inWorker(*arguments, progress=report)
-
-        with mock.patch.object(sweepCalibration, "inWorker", canceled):
-            self.assertIn("Canceled.", self.calibrate())
+        before, names = self.poses(), self.transforms()
+        self.pressAnd(self.ui.calibrateButton, sweepCalibration, "inWorker", 0.5, lambda: self.widget._work.cancel())
+        self.assertIn("Canceled.", self.ui.calibrationLabel.text)
         np.testing.assert_array_equal(self.poses(), before)
         self.assertEqual(self.transforms(), names)
         self.assertTrue(self.ui.calibrateButton.enabled)
@@ -215,9 +182,7 @@ class AIFReconCalibrationTest(unittest.TestCase):
         self.image().SetAndObserveTransformNodeID(None)
         for number in range(images.GetNumberOfDataNodes()):
             images.GetNthDataNode(number).SetOrigin(0.0, 0.0, float(number))
-        with mock.patch.object(slicer.util, "infoDisplay") as shown:
-            self.calibrate()
-        self.assertIn("no transform of the scene can take a calibration", shown.call_args[0][0])
+        self.assertIn("no transform of the scene can take a calibration", self.messageOf(self.calibrate))
 
     def test_without_bone_it_says_what_is_missing(self):
         self.add()

@@ -1,18 +1,13 @@
 """Self tests of guidance: bone colored by what a recorded sweep or a scan has met, shares, the next move, and sentences in their place."""
 
 import itertools
-import pathlib
-import sys
-import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
-from AIFReconLiveTest import waitFor
-from simulatedPatient import FRAMES, addPatient
+from openPanel import waitFor
+from simulatedPatient import FRAMES, OpenPatient
 
 MOST_ROUNDS = 300
 """Over the sweep until what must come has come."""
@@ -31,8 +26,15 @@ TOLD: dict = {}
 """What was told of the patient as it is, by the function that told it: another one after the module was reloaded."""
 
 
-class AIFReconGuidanceTest(unittest.TestCase):
+class AIFReconGuidanceTest(OpenPatient):
     """The box *Guidance* on a simulated patient."""
+
+    spacing = 5.0
+
+    def setUp(self):
+        super().setUp()
+        self.follow(self.nodes.browser)
+        self.ui.tabWidget.currentIndex = 1
 
     @classmethod
     def setUpClass(cls):
@@ -46,33 +48,12 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
         worker.close()
 
-    def setUp(self):
-        from AIFReconScene.inputs.parameters import LiveSource
-
-        slicer.mrmlScene.Clear()
-        tinyScene.recordElsewhere(self)
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
-        self.nodes = addPatient()
-        self.widget.initializeParameterNode()
-        sweep = self.nodes.browser
-        self.parameters.liveSource = LiveSource.SCENE
-        self.parameters.liveImage = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
-        self.parameters.spacing = 5.0
-        self.ui.tabWidget.currentIndex = 1
-
-    def tearDown(self):
-        self.live.close()
-        slicer.mrmlScene.Clear()
-
     # ---- what tests do
 
     def setToldBox(self):
         """Click the box; what was told of this patient before is told again, for it takes a while to find out."""
         verdicts = self.widget.logic.verdicts
         told = type(verdicts).guide
-        self.addCleanup(delattr, verdicts, "guide")
 
         def again(parameters, progress, unseen):
             self.assertIsNone(unseen)  # no paths were looked for
@@ -80,8 +61,8 @@ class AIFReconGuidanceTest(unittest.TestCase):
                 TOLD[told] = told(verdicts, parameters, progress)
             return TOLD[told]
 
-        verdicts.guide = again
-        self.setBox()
+        with mock.patch.object(verdicts, "guide", again):
+            self.setBox()
 
     def setBox(self, wanted=True):
         """Click the box, if it is not so already."""
@@ -91,25 +72,13 @@ class AIFReconGuidanceTest(unittest.TestCase):
     def start(self):
         """Begin a scan with the box set."""
         self.parameters.guidance = True
-        self.show(FRAMES - 1)
+        self.show(self.nodes.browser, FRAMES - 1)
         self.ui.liveStartButton.click()
-
-    def show(self, number):
-        """Put a frame of the sweep into the image that a scan follows."""
-        self.nodes.browser.SetSelectedItemNumber(number)
-        slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(self.nodes.browser)
-
-    def play(self, frames=range(FRAMES)):
-        """Show frames one by one, each until the scan has received it."""
-        for number in frames:
-            seen = self.live._live.statistics.frames_received
-            self.show(number)
-            self.assertTrue(waitFor(lambda seen=seen: self.live._live.statistics.frames_received > seen))
 
     def playUntil(self, condition):
         """Show the sweep again and again until something holds."""
         for start in itertools.islice(itertools.cycle(range(3)), MOST_ROUNDS):
-            self.play(range(start, FRAMES, 3))
+            self.playFrames(self.nodes.browser, range(start, FRAMES, 3))
             if waitFor(condition, 0.2):
                 return
         self.fail(f"It did not come in {MOST_ROUNDS} rounds: {self.live._live.statistics}")
@@ -152,27 +121,22 @@ class AIFReconGuidanceTest(unittest.TestCase):
         # In the panel, for in the view it would cover the ghost
         self.assertIn("squarely, below 45", self.ui.guidanceColorsLabel.text.replace("&nbsp;", " "))
 
-    def annotation(self):
-        """The texts in the corners of the 3D view."""
-        return slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation()
-
     def test_the_next_move_is_in_large_type_in_panel_and_3d_view_here_with_an_arrow(self):
         self.setToldBox()
         text = self.ui.guidanceMoveLabel.text
         self.assertRegex(text, "^[\u2190-\u2193\u21bb\u25cf]  ")
         self.assertEqual(self.ui.guidanceLabel.text.splitlines()[0], text)
         self.assertIn("26px", self.ui.guidanceMoveLabel.styleSheet)
-        annotation = self.annotation()
+        annotation = self.threeDView().cornerAnnotation()
         self.assertEqual(annotation.GetText(2), text[3:])
         self.assertGreaterEqual(annotation.GetMaximumLineHeight() * 250, annotation.GetMaximumFontSize())
 
     def test_the_ghost_stands_where_the_move_leads(self):
         self.setToldBox()
         move, columns = self.widget._guidance._shown.move, self.parameters.liveImage.GetImageData().GetDimensions()[0]
-        bounds = np.zeros(6)
-        self.model("Advised probe").GetRASBounds(bounds)
+        least, most = tinyScene.boundsOf(self.model("Advised probe")).T
         face = move.image_to_reference @ [columns / 2, 40.0, 0.0, 1.0]
-        self.assertTrue((bounds[::2] <= face[:3]).all() and (face[:3] <= bounds[1::2]).all())
+        self.assertTrue((least <= face[:3]).all() and (face[:3] <= most).all())
         self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
 
     def test_segments_are_not_drawn_in_3d_under_the_colors_and_come_back_also_where_another_session_hid_them(self):
@@ -196,30 +160,25 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.setToldBox()
         self.assertTrue(self.own())
         self.setBox(False)
-        self.assertTrue(waitFor(lambda: not self.own()), self.own())
+        self.waitUntil(lambda: not self.own())
         self.assertFalse(self.ui.guidanceWords.isVisibleTo(self.ui.coverageDetails))
         self.assertFalse(self.ui.liveColorsLabel.isVisibleTo(self.ui.liveTab))
         self.assertEqual(self.live._advised, "")
-        self.assertFalse(self.annotation().GetText(2))
+        self.assertFalse(self.threeDView().cornerAnnotation().GetText(2))
 
     def test_a_cancel_leaves_the_scene_as_it_was(self):
         from AIFReconGui.longWork import ProgressDialog
 
-        call = ProgressDialog.__call__
-        self.addCleanup(setattr, ProgressDialog, "__call__", call)
-        ProgressDialog.__call__ = lambda dialog, share, message: False
-        self.setBox()
+        with mock.patch.object(ProgressDialog, "__call__", return_value=False):
+            self.setBox()
         self.assertEqual(self.own(), [])
 
     def test_the_ct_takes_its_colors_along(self):
         self.setToldBox()
-        before = np.zeros(6)
-        self.model().GetRASBounds(before)
+        before = tinyScene.boundsOf(self.model())
         motion = tinyScene.moved(0.0, 0.0, 50.0)
         tinyScene.setMatrix(self.nodes.ctToReference, motion @ tinyScene.matrixOf(self.nodes.ctToReference))
-        after = np.zeros(6)
-        self.model().GetRASBounds(after)
-        np.testing.assert_allclose(after - before, [0, 0, 0, 0, 50, 50], atol=1e-3)
+        np.testing.assert_allclose(tinyScene.boundsOf(self.model()) - before, [[0, 0], [0, 0], [50, 50]], atol=1e-3)
 
     def test_without_a_ct_the_echoes_tell_what_was_hit_and_where_to_go(self):
         self.parameters.bone = None
@@ -232,7 +191,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertRegex(self.ui.guidanceLabel.text, "over the bone; shows [0-9.]+ cm\u00b2 more bone$")
         self.assertNotRegex(self.ui.guidanceLabel.text, "head|feet|patient")
         self.setBox(False)
-        self.assertTrue(waitFor(lambda: not self.own()), self.own())
+        self.waitUntil(lambda: not self.own())
 
     # ---- sentences instead of colors
 
@@ -273,10 +232,10 @@ class AIFReconGuidanceTest(unittest.TestCase):
         slicer.app.processEvents()
         # No order to move the probe outlasts the scan
         self.assertIsNone(self.model("Advised probe"))
-        self.assertFalse(self.annotation().GetText(2))
+        self.assertFalse(self.threeDView().cornerAnnotation().GetText(2))
         self.assertEqual(self.ui.guidanceMoveLabel.text, "Look at the picture, or press Start")
         self.setBox(False)
-        self.assertTrue(waitFor(lambda: not self.own()), self.own())
+        self.waitUntil(lambda: not self.own())
 
     def test_labels_that_change_while_scanning_are_followed(self):
         from AIFReconScene.live import followedBone
@@ -316,5 +275,3 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.playUntil(self.colored)
         tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(400.0, 0.0, 0.0))
         self.playUntil(lambda: "No frame has come near" in self.ui.guidanceLabel.text)
-
-    # ---- saved

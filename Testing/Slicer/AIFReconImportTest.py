@@ -1,35 +1,18 @@
 """Self tests of the import of images and poses: questions as choices, the drawing, the sweep, and the rectangle that is recognized."""
 
-import pathlib
-import sys
-import tempfile
-import unittest
-
 import numpy as np
 import slicer
-import vtk
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
+import vtk
+from openPanel import OpenPanel
 
 HEADINGS = "{tool}_x,{tool}_y,{tool}_z,{tool}_qx,{tool}_qy,{tool}_qz,{tool}_qw"
 
 
-class AIFReconImportTest(unittest.TestCase):
+class AIFReconImportTest(OpenPanel):
     """The window in which images and poses are taken in, as a user works with it."""
 
-    def setUp(self):
-        slicer.mrmlScene.Clear()
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.panel, self.parameters = self.widget.ui, self.widget._parameterNode
-        folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
-    def tearDown(self):
-        slicer.mrmlScene.Clear()
+    panel = OpenPanel.ui
 
     def files(self):
         """The tiny sweep as an array of images and a table of two tools, in ms; the poses that are meant."""
@@ -64,9 +47,9 @@ class AIFReconImportTest(unittest.TestCase):
         self.assertIn("poses of 2 tools", ui.importWordsEdit.plainText)
         self.assertEqual(self.choices(importer, "tool"), ["", "Probe", "Patient"])
         self.assertEqual(self.choices(importer, "reference_tool"), ["", "Probe", "Patient"])
-        self.choose(importer, "tool", "Probe")
+        self.answer(importer, "tool", "Probe")
         self.assertEqual(self.choices(importer, "time_unit"), ["", "s", "ms", "us", "100ns", "ns"])
-        self.choose(importer, "time_unit", "ms")
+        self.answer(importer, "time_unit", "ms")
         self.assertIn("size of a pixel is not known", ui.importWordsEdit.plainText)
         importer._answers["spacing"].currentText = "{} {}".format(*tinyScene.PIXEL)
         self.assertTrue(ui.drawingLabel.isHidden())
@@ -81,13 +64,8 @@ class AIFReconImportTest(unittest.TestCase):
         self.assertLieAt(poses)
 
     def test_the_marker_on_the_patient_becomes_the_frame_in_which_the_sweep_lies(self):
-        importer, ui, poses = self.opened()
-        ui.transformComboBox.currentIndex = 1
-        ui.importCheckButton.click()
-        self.choose(importer, "tool", "Probe")
-        self.choose(importer, "time_unit", "ms")
-        importer._answers["spacing"].currentText = "{} {}".format(*tinyScene.PIXEL)
-        self.choose(importer, "reference_tool", "Patient")
+        importer, ui, poses = self.answered()
+        self.answer(importer, "reference_tool", "Patient")
         ui.takeButton.click()
         self.assertLieAt([tinyScene.moved(-1, -2, -3 - number / 100) @ pose for number, pose in enumerate(poses)])
 
@@ -98,8 +76,8 @@ class AIFReconImportTest(unittest.TestCase):
         ui.transformComboBox.currentIndex = 2
         ui.calibrationLineEdit.currentPath = str(self.folder / "ImageToProbe.txt")
         ui.importCheckButton.click()
-        self.choose(importer, "tool", "Probe")
-        self.choose(importer, "time_unit", "ms")
+        self.answer(importer, "tool", "Probe")
+        self.answer(importer, "time_unit", "ms")
         ui.orientationComboBox.currentIndex = 2
         self.assertFalse(ui.takeButton.enabled)
         ui.importCheckButton.click()
@@ -111,18 +89,10 @@ class AIFReconImportTest(unittest.TestCase):
         np.testing.assert_array_equal(images[3], np.load(self.folder / "images.npy")[3][:, ::-1])
 
     def test_a_sweep_that_is_not_imported_any_more_leaves_the_scene_as_it_was(self):
-        importer, ui, _poses = self.opened()
-        ui.transformComboBox.currentIndex = 1
-        ui.importCheckButton.click()
-        self.choose(importer, "tool", "Probe")
-        self.choose(importer, "time_unit", "ms")
-        importer._answers["spacing"].currentText = "0.5 0.4"
+        importer, ui, _poses = self.answered()
         ui.importCheckButton.click()
         before = slicer.mrmlScene.GetNumberOfNodes()
-        take = importer._take
-        importer._take = lambda parameters, seen, progress: take(parameters, seen, lambda fraction, words: fraction < 0.5)
-        ui.takeButton.click()
-        importer._take = take
+        self.pressAnd(ui.takeButton, importer, "_take", 0.5, lambda: self.widget._work.cancel())
         self.assertEqual(slicer.mrmlScene.GetNumberOfNodes(), before)
         self.assertIsNone(self.parameters.sweep)
         self.assertFalse(importer._window.isHidden())
@@ -138,6 +108,16 @@ class AIFReconImportTest(unittest.TestCase):
         self.assertIsNot(importer._ui, ui)
         self.assertEqual(importer._ui.transformComboBox.currentIndex, 0)
 
+    def answered(self):
+        """The widgets of the window, with all that it asks answered but the size of a pixel."""
+        importer, ui, poses = self.opened()
+        ui.transformComboBox.currentIndex = 1
+        ui.importCheckButton.click()
+        self.answer(importer, "tool", "Probe")
+        self.answer(importer, "time_unit", "ms")
+        importer._answers["spacing"].currentText = "{} {}".format(*tinyScene.PIXEL)
+        return importer, ui, poses
+
     def assertLieAt(self, poses):
         from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
@@ -151,19 +131,14 @@ class AIFReconImportTest(unittest.TestCase):
         box = importer._answers[name]
         return [box.itemText(row) for row in range(box.count)]
 
-    def choose(self, importer, name, text):
+    def answer(self, importer, name, text):
         """As the user does: an item of the list is activated, which is looked at on the spot."""
         box = importer._answers[name]
         box.currentIndex = box.findText(text)
         box.activated(box.currentIndex)
 
     def test_a_change_takes_back_what_was_seen_and_other_files_are_asked_anew(self):
-        importer, ui, _poses = self.opened()
-        ui.transformComboBox.currentIndex = 1
-        ui.importCheckButton.click()
-        self.choose(importer, "tool", "Probe")
-        self.choose(importer, "time_unit", "ms")
-        importer._answers["spacing"].currentText = "0.5 0.4"
+        importer, ui, _poses = self.answered()
         ui.importCheckButton.click()
         self.assertTrue(ui.takeButton.enabled)
         ui.importCloseButton.click()
@@ -206,19 +181,15 @@ class AIFReconImportTest(unittest.TestCase):
         self.assertIsNotNone(self.parameters.output)
 
     def test_a_sweep_whose_images_show_no_rectangle_leaves_the_fields_as_they_are(self):
+        from AIFReconScene.inputs.boxes import clipAsRecognized
         from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
         sequence = tinyScene.makeSequence()
         sequence.images[:] = 77
         self.parameters.sweep, self.parameters.clipWidth = browserFromSequence(sequence, "Bright"), 12.0
         with self.assertRaisesRegex(Exception, "black surround"):
-            self.recognize()
+            clipAsRecognized(self.parameters)
         self.assertEqual(self.parameters.clipWidth, 12.0)
-
-    def recognize(self):
-        from AIFReconScene.inputs.boxes import clipAsRecognized
-
-        clipAsRecognized(self.parameters)
 
     def test_a_renamed_transform_is_known_at_once(self):
         browser = tinyScene.addSweep()

@@ -1,50 +1,18 @@
 """Self tests of what happens to the panel while it is open: nodes change or go, a scene is loaded, another module is entered."""
 
 import pathlib
-import sys
-import tempfile
-import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
-import vtk
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
+from openPanel import OpenPanel
 
 
-class AIFReconLifecycleTest(unittest.TestCase):
+class AIFReconLifecycleTest(OpenPanel):
     """The panel beside a scene that changes."""
 
-    def setUp(self):
-        slicer.mrmlScene.Clear()
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
-
-    def tearDown(self):
-        slicer.mrmlScene.Clear()
-
-    def addInputs(self):
-        """Sweep, CT and bone, chosen."""
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.ctVolume, self.parameters.bone, self.registration = tinyScene.addCT()
-        self.parameters.spacing = 1.0
-
     # ---- scenes
-
-    def test_a_scene_that_is_loaded_fills_the_panel(self):
-        self.addInputs()
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "scene.mrb"
-            self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
-            slicer.mrmlScene.Clear()
-            self.assertFalse(self.ui.applyButton.enabled)
-            self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
-        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
-        self.assertEqual(self.ui.sweepSelector.currentNode().GetName(), "Sweep")
-        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
 
     # ---- nodes that go
 
@@ -70,11 +38,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
 
     def test_a_sweep_that_is_placed_later_can_be_reconstructed(self):
         self.addInputs()
-        image = self.parameters.sweep.GetProxyNode(self.parameters.sweep.GetMasterSequenceNode())
-        warp = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTransformNode", "Warp")
-        warp.SetAndObserveTransformToParent(vtk.vtkThinPlateSplineTransform())
-        pose = image.GetParentTransformNode()
-        pose.SetAndObserveTransformNodeID(warp.GetID())
+        pose = tinyScene.warp(self.parameters.sweep)
         self.assertFalse(self.ui.applyButton.enabled)
         self.assertIn("Warp", self.ui.applyButton.toolTip)
         pose.SetAndObserveTransformNodeID(None)
@@ -85,8 +49,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
 
         sweep = tinyScene.addSweep()
         before = sweepKey(sweep)
-        sweep.SetSelectedItemNumber(7)
-        slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(sweep)
+        self.show(sweep, 7)
         self.assertEqual(sweepKey(sweep), before)
 
     def test_a_sweep_is_described_once_its_recording_has_ended(self):
@@ -96,20 +59,15 @@ class AIFReconLifecycleTest(unittest.TestCase):
         sweep = self.parameters.sweep
         images = sweep.GetMasterSequenceNode()
         frames = images.GetNumberOfDataNodes()
-        looked = []
-        summary = sweepStatus.sweepSummary
-        sweepStatus.sweepSummary = lambda *sweepAndImages: looked.append(1) or summary(*sweepAndImages)
-        try:
+        with mock.patch.object(sweepStatus, "sweepSummary", wraps=sweepStatus.sweepSummary) as looked:
             sweep.SetRecordingActive(True)
             self.assertFalse(self.ui.applyButton.enabled)
             self.assertIn("Stop the recording", self.ui.applyButton.toolTip)
             for number in range(3):
                 images.SetDataNodeAtValue(images.GetNthDataNode(0), str(100.0 + number))
                 sweep.Modified()
-            self.assertEqual(len(looked), 1)
+            self.assertEqual(looked.call_count, 1)
             sweep.SetRecordingActive(False)
-        finally:
-            sweepStatus.sweepSummary = summary
         self.assertIn(f"of {frames + 3} frames", self.ui.sweepStatusLabel.text)
         self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
 
@@ -119,11 +77,9 @@ class AIFReconLifecycleTest(unittest.TestCase):
         sweep = self.addEmbeddedSweep()
         self.parameters.sweep, self.parameters.probe, self.parameters.showProbe = sweep, ProbeShape.LINEAR, True
         for number in (0, 4):
-            sweep.SetSelectedItemNumber(number)
-            slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(sweep)
-            bounds = [0.0] * 6
-            slicer.util.getNode("Embedded beams").GetRASBounds(bounds)
-            self.assertAlmostEqual((bounds[4] + bounds[5]) / 2, 10.0 * number, delta=0.2)
+            self.show(sweep, number)
+            bounds = tinyScene.boundsOf(slicer.util.getNode("Embedded beams"))
+            self.assertAlmostEqual(bounds[2].mean(), 10.0 * number, delta=0.2)
 
     def addEmbeddedSweep(self):
         """Images that carry their pose in their own matrix, 10 mm apart, without any transform."""

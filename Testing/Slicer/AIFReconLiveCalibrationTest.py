@@ -1,46 +1,24 @@
 """Self tests of a live scan with a real calibration, whose axes are not quite at right angles, and of views that cannot show it."""
 
-import pathlib
-import sys
-import unittest
 from unittest import mock
 
 import numpy as np
-import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import realData
+import slicer
 import tinyScene
-from AIFReconLiveTest import waitFor
+from openPanel import OpenPanel
 
 
-class AIFReconLiveCalibrationTest(unittest.TestCase):
+class AIFReconLiveCalibrationTest(OpenPanel):
     """A replayed real recording, received with its Plus configuration."""
-
-    def setUp(self):
-        slicer.mrmlScene.Clear()
-        tinyScene.recordElsewhere(self)
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
-        self.server = None
-
-    def tearDown(self):
-        self.live.close()
-        if self.server is not None:
-            self.server.stop()
-        slicer.mrmlScene.Clear()
 
     def begin(self):
         """Replay the recording and start a scan in the region that it covers."""
         from AIFReconScene.inputs.parameters import Region
 
         from AIFReconLib import read_sequence, reconstruct
-        from AIFReconLib.live.replay.server import ReplayServer
         from AIFReconLib.recipe.recipe import ReconstructionSettings
 
-        tinyScene.requireLivePackages()
         calibration = realData.folder() / realData.SPINE_CALIBRATION
         self.sequence = read_sequence(realData.recordingOf(calibration), config=calibration)
         covered = reconstruct(self.sequence, ReconstructionSettings(spacing=2.0)).intensity
@@ -48,20 +26,14 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
             "vtkMRMLScalarVolumeNode", "Region", np.zeros_like(covered.array), covered.ijk_to_reference
         )
         self.parameters.region, self.parameters.configurationPath = Region.LIKE_VOLUME, calibration
-        self.server = ReplayServer(self.sequence, 0, rate=10.0, loop=True)
-        self.server.start()
-        self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", self.server.port
+        self.serve(self.sequence, rate=10.0, loop=True)
         self.ui.liveStartButton.click()
         self.scan = self.live._live
-        self.assertTrue(waitFor(lambda: self.scan.statistics.inserted > 3), self.scan.statistics)
-
-    def composite(self):
-        """What the red view shows."""
-        return slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
+        self.waitUntil(lambda: self.scan.statistics.inserted > 3)
 
     def test_the_frame_is_seen_in_its_place(self):
         self.begin()
-        self.assertTrue(waitFor(lambda: self.scan._views.frameNode is not None))
+        self.waitUntil(lambda: self.scan._views.frameNode is not None)
         self.assertEqual(self.composite().GetBackgroundVolumeID(), self.scan._views.frameNode.GetID())
         shown, exact = tinyScene.ijkToRAS(self.scan._views.frameNode), self.scan._views.frame.image_to_reference
         rows, columns = self.scan._views.frame.image.shape
@@ -77,7 +49,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
         from AIFReconLib.recipe.recipe import ReconstructionSettings
 
         self.begin()
-        self.assertTrue(waitFor(lambda: self.scan.statistics.inserted > 2 * len(self.sequence)))
+        self.waitUntil(lambda: self.scan.statistics.inserted > 2 * len(self.sequence))
         self.ui.liveStopButton.click()
         region = self.parameters.regionVolume
         grid = VoxelGrid(region.GetImageData().GetDimensions(), tinyScene.ijkToRAS(region))
@@ -90,11 +62,11 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
         with mock.patch.object(LiveViews, "follow", side_effect=RuntimeError("the view is broken")):
             self.begin()
-            self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "Probe seen"), self.ui.liveStateLabel.text)
-            self.assertTrue(waitFor(lambda: "the view is broken" in self.ui.liveStatisticsLabel.text))
+            self.waitUntil(lambda: self.ui.liveStateLabel.text == "Probe seen")
+            self.waitUntil(lambda: "the view is broken" in self.ui.liveStatisticsLabel.text)
             inserted = self.scan.statistics.inserted
-            self.assertTrue(waitFor(lambda: self.scan.statistics.inserted > inserted + 3))
-            self.assertTrue(waitFor(lambda: self.scan.volumeNode is not None))
-        self.assertTrue(waitFor(lambda: "the view is broken" not in self.ui.liveStatisticsLabel.text))
+            self.waitUntil(lambda: self.scan.statistics.inserted > inserted + 3)
+            self.waitUntil(lambda: self.scan.volumeNode is not None)
+        self.waitUntil(lambda: "the view is broken" not in self.ui.liveStatisticsLabel.text)
         self.ui.liveStopButton.click()
         self.assertTrue(slicer.util.arrayFromVolume(self.parameters.output).any())

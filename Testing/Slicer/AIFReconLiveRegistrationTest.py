@@ -1,55 +1,30 @@
 """Self tests of the CT during a scan: placed after the scouting pass, watched, placed anew when the patient moves."""
 
-import pathlib
-import sys
-import unittest
-
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
-from AIFReconLiveTest import waitFor
-from simulatedPatient import FRAMES, addPatient
+from openPanel import waitFor
+from simulatedPatient import FRAMES, OpenPatient
 
 
-class AIFReconLiveRegistrationTest(unittest.TestCase):
+class AIFReconLiveRegistrationTest(OpenPatient):
     """A scan of a simulated patient, played frame by frame into the image that the scan follows."""
 
     def setUp(self):
-        from AIFReconScene.inputs.parameters import LiveSource
-
-        slicer.mrmlScene.Clear()
-        tinyScene.recordElsewhere(self)
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
-        self.nodes = addPatient()
-        self.widget.initializeParameterNode()
-        sweep = self.nodes.browser
+        super().setUp()
         # What a tracker's Reference lies under: moving it moves the patient from beneath the CT
         self.patient = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
-        tinyScene.putSweepUnder(sweep, self.patient)
-        self.parameters.liveSource = LiveSource.SCENE
-        self.parameters.liveImage = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
-        self.parameters.spacing = 2.0
+        tinyScene.putSweepUnder(self.nodes.browser, self.patient)
+        self.follow(self.nodes.browser)
         self.transform = self.nodes.ctToReference
         self.true = tinyScene.matrixOf(self.transform)
 
-    def tearDown(self):
-        self.live.close()
-        slicer.mrmlScene.Clear()
-
     def play(self, frames=range(FRAMES)):
         """Show frames of the sweep, each until the scan has received it and its bone was looked for."""
-        sweep, live = self.nodes.browser, self.live._live
         for number in frames:
-            seen = live.statistics.frames_received
-            sweep.SetSelectedItemNumber(number)
-            slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(sweep)
-            self.assertTrue(waitFor(lambda seen=seen: live.statistics.frames_received > seen))
-            self.assertTrue(waitFor(lambda seen=seen: live.seen.compared >= seen))
+            seen = self.live._live.statistics.frames_received
+            self.playFrames(self.nodes.browser, [number])
+            self.waitUntil(lambda seen=seen: self.live._live.seen.compared >= seen)
 
     def playUntil(self, condition):
         """Show the sweep again and again: how much of it the last seconds hold depends on how busy this machine is."""
@@ -57,12 +32,11 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
             if waitFor(condition, 0.0 if number % 3 else 0.5):
                 return
             self.play([number])
-        self.assertTrue(waitFor(condition))
+        self.waitUntil(condition)
 
     def start(self):
         """Begin a scan; the frame that is shown already would not be a new one."""
-        self.nodes.browser.SetSelectedItemNumber(FRAMES - 1)
-        slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(self.nodes.browser)
+        self.show(self.nodes.browser, FRAMES - 1)
         self.ui.liveStartButton.click()
 
     def off(self, place: np.ndarray) -> float:
@@ -81,7 +55,7 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
         self.assertLess(self.off(self.true), 1.0)
         self.ui.liveUseBoxButton.click()
         self.play(range(3))
-        self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted >= FRAMES))
+        self.waitUntil(lambda: self.live._live.statistics.inserted >= FRAMES)
         self.assertFalse(self.live._live.statistics.trouble)
 
     def test_a_patient_who_moves_is_told_in_large_letters_and_the_ct_can_be_placed_anew(self):
@@ -95,7 +69,7 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
         self.assertTrue(self.ui.livePlaceButton.enabled)
         self.ui.livePlaceButton.click()
         self.assertLess(self.off(motion @ self.true), 1.5, self.ui.registrationLabel.text)
-        self.assertTrue(waitFor(lambda: "no longer fits" not in self.ui.liveStateLabel.text))
+        self.waitUntil(lambda: "no longer fits" not in self.ui.liveStateLabel.text)
         self.ui.undoPlaceButton.click()
-        self.assertTrue(waitFor(lambda: not self.ui.undoPlaceButton.enabled))
+        self.waitUntil(lambda: not self.ui.undoPlaceButton.enabled)
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), self.true)

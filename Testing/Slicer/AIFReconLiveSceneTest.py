@@ -1,70 +1,35 @@
 """Self tests of a live scan beside a scene that changes: what is kept, what is given back, and what goes on without the panel."""
 
 import os
-import pathlib
 import signal
-import sys
-import unittest
 from unittest import mock
 
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
-from AIFReconLiveTest import waitFor
+from openPanel import OpenPanel
 
 
-class AIFReconLiveSceneTest(unittest.TestCase):
+class AIFReconLiveSceneTest(OpenPanel):
     """A scan from a real server on this machine that goes on until it is stopped."""
 
     def setUp(self):
-        slicer.mrmlScene.Clear()
-        tinyScene.recordElsewhere(self)
-        slicer.util.selectModule("AIFRecon")
-        self.take(slicer.modules.AIFReconWidget)
-        self.server = None
+        super().setUp()
         self.parameters.spacing = 1.0
-
-    def tearDown(self):
-        slicer.modules.AIFReconWidget._live.close()
-        if self.server is not None:
-            self.server.stop()
-        slicer.mrmlScene.Clear()
-
-    def take(self, widget):
-        """Work with this panel."""
-        self.widget = widget
-        self.ui, self.parameters, self.live = widget.ui, widget._parameterNode, widget._live
 
     def begin(self, box=True):
         """Serve the tiny sweep again and again, and start a scan."""
-        from AIFReconScene.inputs.parameters import Region
-
-        from AIFReconLib.live.replay.server import ReplayServer
-
-        tinyScene.requireLivePackages()
-        self.server = ReplayServer(tinyScene.makeSequence(), 0, rate=30.0, loop=True)
-        self.server.start()
-        self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", self.server.port
+        self.server = self.serve(rate=30.0, loop=True)
         if box:
-            roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
-            roi.SetCenterWorld(0.0, 16.0, 0.0)
-            roi.SetSize(40.0, 40.0, 30.0)
-            self.parameters.roi, self.parameters.region = roi, Region.BOX
+            self.chooseBox()
         self.ui.liveStartButton.click()
-        self.assertTrue(waitFor(lambda: self.live._live._views.frameNode is not None))
+        self.waitUntil(lambda: self.live._live._views.frameNode is not None)
 
     def grow(self):
         """Wait until a volume is shown."""
         live = self.live._live
-        self.assertTrue(waitFor(lambda: live.volumeNode is not None and slicer.util.arrayFromVolume(live.volumeNode).any()))
+        self.waitUntil(lambda: live.volumeNode is not None and slicer.util.arrayFromVolume(live.volumeNode).any())
         return live.volumeNode
-
-    def red(self):
-        """Composite node of the red view."""
-        return slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
 
     # ---- what is kept
 
@@ -89,23 +54,22 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
     def test_the_red_view_shows_again_what_it_showed(self):
         ct, _bone, _registration = tinyScene.addCT()
-        self.red().SetBackgroundVolumeID(ct.GetID())
-        red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
+        self.composite().SetBackgroundVolumeID(ct.GetID())
+        red = self.sliceWidget().mrmlSliceNode()
         red.SetFieldOfView(33.0, 44.0, 1.0)
         scale = tinyScene.scaleOf(red)
-        place = slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()).copy()
+        place = tinyScene.placeOf(red)
         self.begin(box=False)
-        self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live._views.frameNode.GetID())
+        self.assertEqual(self.composite().GetBackgroundVolumeID(), self.live._live._views.frameNode.GetID())
         self.ui.liveStopButton.click()
-        self.assertEqual(self.red().GetBackgroundVolumeID(), ct.GetID())
-        np.testing.assert_allclose(slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()), place, atol=1e-9)
+        self.assertEqual(self.composite().GetBackgroundVolumeID(), ct.GetID())
+        np.testing.assert_allclose(tinyScene.placeOf(red), place, atol=1e-9)
         self.assertAlmostEqual(tinyScene.scaleOf(red), scale)
 
     def test_a_reload_during_a_scan_ends_it_and_takes_the_frame_away(self):
         self.begin()
         self.widget.onReload()
-        self.take(slicer.modules.AIFReconWidget)
-        self.assertTrue(waitFor(lambda: not self.server.clients))
+        self.waitUntil(lambda: not self.server.clients)
         self.assertEqual(slicer.mrmlScene.GetNodesByName("Live frame").GetNumberOfItems(), 0)
         self.assertFalse(self.ui.liveStopButton.enabled)
 
@@ -116,14 +80,14 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         volume = self.grow()
         slicer.mrmlScene.RemoveNode(volume)
         self.assertIsNot(self.grow(), volume)
-        self.assertTrue(waitFor(lambda: self.parameters.output is self.live._live.volumeNode))
+        self.waitUntil(lambda: self.parameters.output is self.live._live.volumeNode)
 
     def test_a_frame_that_is_deleted_is_shown_again(self):
         self.begin()
         slicer.mrmlScene.RemoveNode(self.live._live._views.frameNode)
         self.assertIsNone(self.live._live._views.frameNode)
-        self.assertTrue(waitFor(lambda: self.live._live._views.frameNode is not None))
-        self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live._views.frameNode.GetID())
+        self.waitUntil(lambda: self.live._live._views.frameNode is not None)
+        self.assertEqual(self.composite().GetBackgroundVolumeID(), self.live._live._views.frameNode.GetID())
 
     # ---- without the panel
 
@@ -131,30 +95,26 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.begin()
         self.widget.exit()
         inserted = self.live._live.statistics.inserted
-        self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > inserted + 10))
+        self.waitUntil(lambda: self.live._live.statistics.inserted > inserted + 10)
         self.grow()
         self.widget.enter()
-        self.take(self.widget)
         self.assertTrue(self.ui.liveStopButton.enabled)
         self.assertFalse(self.ui.liveStartButton.enabled)
-        self.assertTrue(waitFor(lambda: self.parameters.output is self.live._live.volumeNode))
-
-    # ---- words
+        self.waitUntil(lambda: self.parameters.output is self.live._live.volumeNode)
 
     def test_a_start_that_is_canceled_while_the_scan_is_prepared_leaves_no_scan_and_no_recording(self):
         from AIFReconScene.work import worker
 
-        def canceled(*_arguments, progress=None, **_named):
+        def canceled(*arguments, **named):
             self.live._work.cancel()
-            return begin(*_arguments, progress=progress, **_named)
+            return mock.DEFAULT
 
         tinyScene.requireLivePackages()
-        begin = worker.keep
-        with mock.patch.object(worker, "keep", canceled):
+        with mock.patch.object(worker, "keep", wraps=worker.keep, side_effect=canceled):
             self.ui.liveStartButton.click()
         self.assertFalse(self.live.isRunning)
         self.assertIn("Canceled", self.ui.liveStatisticsLabel.text)
-        self.assertTrue(waitFor(lambda: not list(pathlib.Path(slicer.mrmlScene.GetRootDirectory()).iterdir())))
+        self.waitUntil(lambda: not list(self.folder.iterdir()))
 
     # ---- the process that scans
 
@@ -169,7 +129,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         before = live.statistics.frames_received
         os.kill(worker.pid, signal.SIGTERM)
         self.ui.liveStopButton.click()
-        [recorded] = pathlib.Path(slicer.mrmlScene.GetRootDirectory()).glob("*.mhd")
+        [recorded] = self.folder.glob("*.mhd")
         self.assertGreaterEqual(len(read_sequence(recorded)), before)
         self.assertIn(str(recorded), self.ui.liveStatisticsLabel.text)
         self.assertEqual(live.lost, "")
@@ -183,12 +143,11 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.grow()
         before = self.live._live.statistics.frames_received
         os.kill(worker.pid, signal.SIGTERM)
-        self.assertTrue(waitFor(lambda: self.live._live.lost))
-        self.assertTrue(waitFor(lambda: not self.live._live.lost and self.live._live.statistics.frames_received > before + 20))
+        self.waitUntil(lambda: self.live._live.lost)
+        self.waitUntil(lambda: not self.live._live.lost and self.live._live.statistics.frames_received > before + 20)
         live = self.live._live
         self.ui.liveStopButton.click()
-        folder = pathlib.Path(slicer.mrmlScene.GetRootDirectory())
-        self.assertEqual(sorted({path.suffix for path in folder.iterdir()}), [".mhd", ".raw"])
-        [recorded] = folder.glob("*.mhd")
+        self.assertEqual(sorted({path.suffix for path in self.folder.iterdir()}), [".mhd", ".raw"])
+        [recorded] = self.folder.glob("*.mhd")
         self.assertEqual(len(read_sequence(recorded)), live.statistics.frames_received)
         self.assertEqual(live.statistics.waiting, 0)

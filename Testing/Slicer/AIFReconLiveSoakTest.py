@@ -1,59 +1,126 @@
 """Self test of a long scan from the scene's nodes: every update is accounted for, and nothing in the scene grows."""
 
-import pathlib
-import sys
-import unittest
+import threading
+import time
+from typing import NamedTuple
 from unittest import mock
 
+import numpy as np
 import slicer
+import tinyScene
+from openPanel import OpenPanel
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
-import liveSceneSoak
-
-FRAMES = 400
+FRAMES, LOOK_EVERY, DISTURB_EVERY = 400, 100, 40
 
 
-class AIFReconLiveSoakTest(unittest.TestCase):
-    """A third of a simulated minute."""
+class Look(NamedTuple):
+    """What there is, once nothing is under way."""
+
+    nodes: int
+    observers: int
+    threads: int
+
+
+class AIFReconLiveSoakTest(OpenPanel):
+    """A third of a simulated minute: an image below a transform is updated as SlicerOpenIGTLink does it."""
 
     def setUp(self):
-        slicer.mrmlScene.Clear()
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
+        super().setUp()
         # Each update is waited for until the panel knows of it
         asking = mock.patch("AIFReconScene.live.liveReconstruction.ASK_EVERY", 0.0)
         asking.start()
         self.addCleanup(asking.stop)
+        self.updates, self.sequence = 0, tinyScene.makeSequence()
+        images = np.zeros((1, *self.sequence.images[0].shape), np.uint8)
+        self.imageNode = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Image", images, np.eye(4))
+        self.transformNode = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ImageToReference")
+        self.imageNode.SetAndObserveTransformNodeID(self.transformNode.GetID())
+        self.chooseBox()
+        self.parameters.spacing = 1.0
+        self.follow(None, self.imageNode)
+        self.parameters.liveRecord = False
+        self.ui.liveStartButton.click()
 
-    def tearDown(self):
-        self.widget._live.close()
-        slicer.mrmlScene.Clear()
+    def scan(self):
+        """The scan that is under way."""
+        return self.live._live
+
+    def change(self) -> None:
+        """Pose, status and pixels of the next frame."""
+        place = self.updates % len(self.sequence)
+        self.updates += 1
+        [pose] = self.sequence.records[place].transforms.values()
+        tinyScene.setMatrix(self.transformNode, pose.matrix)
+        self.transformNode.SetAttribute("TransformStatus", pose.status.value)
+        slicer.util.updateVolumeFromArray(self.imageNode, self.sequence.images[place][None])
+
+    def taken(self) -> int:
+        """Updates that the scan knows of."""
+        statistics = self.scan().statistics
+        return statistics.frames_received + statistics.dropped_images
+
+    def update(self) -> None:
+        """One frame, then Slicer's own turn until the panel has taken it."""
+        self.change()
+        self.waitUntil(lambda: self.taken() >= self.updates)
+
+    def disturb(self, turn: int) -> None:
+        """What a user does meanwhile: pauses, empties the volume, deletes what is shown."""
+        scan = self.scan()
+        if turn % 4 == 0:
+            scan.pause(True)
+            self.update()
+            scan.pause(False)
+        elif turn % 4 == 3:
+            # Two images before anybody looks: the first is replaced, and counted
+            self.change()
+        else:
+            node = scan._views.frameNode if turn % 4 == 1 else scan.volumeNode
+            # Its display node is of no use to anybody else
+            for each in (node, node.GetDisplayNode()):
+                slicer.mrmlScene.RemoveNode(each)
+        self.update()
+
+    def look(self) -> Look:
+        """What the scene and this process hold; what was deleted comes back with the images that follow."""
+        scan, scene, end = self.scan(), slicer.mrmlScene, time.monotonic() + 300.0
+        while (scan._views.frameNode is None or scan.volumeNode is None) and time.monotonic() < end:
+            self.update()
+        nodes = [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
+        observers = sum(str(each).count("vtkObserver (") for each in [scene, *nodes])
+        # Insertion has helpers that live for a moment
+        threads = []
+        for _ in range(5):
+            threads.append(threading.active_count())
+            time.sleep(0.01)
+        return Look(len(nodes), observers, min(threads))
 
     def test_a_long_scan_leaves_nothing_behind_and_accounts_for_every_image(self):
-        soak = liveSceneSoak.begin(self.widget)
-        looks = soak.run(FRAMES)
-        live = self.widget._live._live
-        self.widget.ui.liveStopButton.click()
+        looks = []
+        for number in range(1, FRAMES + 1):
+            self.update()
+            if number % DISTURB_EVERY == 0:
+                self.disturb(number // DISTURB_EVERY)
+            if number % LOOK_EVERY == 0:
+                looks.append(self.look())
+        live = self.scan()
+        self.ui.liveStopButton.click()
         statistics = live.statistics
-        self.assertEqual(soak.updates, statistics.frames_received + statistics.dropped_images)
+        self.assertEqual(self.updates, statistics.frames_received + statistics.dropped_images)
         self.assertEqual(statistics.frames_received, statistics.inserted + statistics.frames_skipped)
         self.assertGreater(statistics.dropped_images, 0)
-        settled = looks[len(looks) // 2 :]
-        for name in ("nodes", "observers", "threads"):
-            self.assertEqual(len({getattr(look, name) for look in settled}), 1, (name, looks))
+        self.assertEqual(len(set(looks[len(looks) // 2 :])), 1, looks)
 
     def test_every_scan_takes_all_of_its_frame_out_of_the_scene(self):
-        soak = liveSceneSoak.begin(self.widget)
         seen = []
         for _ in range(3):
-            soak.updates = 0
+            self.updates = 0
             for _frame in range(40):
-                soak.update()
-            soak.look(0)
-            self.widget.ui.liveStopButton.click()
+                self.update()
+            self.look()
+            self.ui.liveStopButton.click()
             seen.append(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLScalarVolumeDisplayNode"))
-            self.widget._parameterNode.output = None
-            self.widget.ui.liveStartButton.click()
+            self.parameters.output = None
+            self.ui.liveStartButton.click()
         volumes = slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLScalarVolumeNode")
         self.assertEqual(seen, [volumes - 2, volumes - 1, volumes])

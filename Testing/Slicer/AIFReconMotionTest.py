@@ -1,14 +1,11 @@
 """The light for motion, and its checkbox, on a patient who lies elsewhere in each pass."""
 
-import tempfile
-import unittest
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import slicer
-from AIFReconLiveTest import waitFor
-from simulatedPatient import simulated
+from openPanel import OpenPanel
+from simulatedPatient import addPatient, patient
 
 FRAMES, PASSES = 189, 9
 
@@ -26,27 +23,12 @@ def moved(sweep, by=3.0):
     return replace(sweep, records=[record(n, each) for n, each in enumerate(sweep.records)])
 
 
-class AIFReconMotionTest(unittest.TestCase):
+class AIFReconMotionTest(OpenPanel):
     """What the panel says of motion, and what it does about it."""
-
-    def setUp(self):
-        from AIFReconScene.volumes import phantomSample
-
-        slicer.mrmlScene.Clear()
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
-        self.ui.tabWidget.currentIndex = 0
-        self.patient = simulated(phantomSample.simulated_patient, 0, FRAMES)
-
-    def tearDown(self):
-        slicer.mrmlScene.Clear()
 
     def reconstruct(self, sweep):
         """Add the patient with this sweep, reconstruct, wait for all lights; what that for motion says."""
-        from AIFReconScene.volumes import phantomSample
-
-        phantomSample.addPatient(replace(self.patient, sweep=sweep))
+        addPatient(frames=FRAMES, sweep=sweep)
         self.widget.initializeParameterNode()
         self.parameters.spacing = 3.0
         return self.press()
@@ -54,22 +36,19 @@ class AIFReconMotionTest(unittest.TestCase):
     def press(self):
         """Press Reconstruct, and wait for all lights."""
         self.ui.applyButton.click()
-        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking, 60.0))
+        self.waitForLights()
         return self.ui.motionSignalLabel.text, self.ui.motionVerdictLabel.text
 
     def assert_the_page_tells(self):
         """The page that the panel saves tells of the motion, and judges the CT by the sweep without it."""
-        with tempfile.TemporaryDirectory() as folder:
-            page = Path(folder) / "page.html"
-            picture = next(each for each in self.widget._recorded._followers if type(each).__name__ == "PicturePanel")
-            picture.saveReport(page)
-            text = page.read_text("utf-8")
+        self.picturePanel().saveReport(self.folder / "page.html")
+        text = (self.folder / "page.html").read_text("utf-8")
         for words in ("Motion of the patient", "Mended: echoes lie", "data:image/svg+xml"):
             self.assertIn(words, text)
         self.assertNotIn("do not agree", text)
 
     def test_motion_is_taken_out_and_the_checkbox_leaves_it_in_and_back(self):
-        sign, words = self.reconstruct(moved(self.patient.sweep))
+        sign, words = self.reconstruct(moved(patient(frames=FRAMES).sweep))
         self.assertIn("good", sign, words)
         self.assertIn("with that taken out", words)
         # What lies on the CT now lay 2 mm off it

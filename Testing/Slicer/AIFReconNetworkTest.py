@@ -1,45 +1,25 @@
 """Self tests of bone from a network or from the echoes: the choice in both tabs, what it gives, what is refused, and a scan."""
 
 import pathlib
-import sys
-import tempfile
 import time
-import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
 import workerStates
-from AIFReconLiveTest import waitFor
+from openPanel import OpenPanel, waitFor
 
 
-class AIFReconNetworkTest(unittest.TestCase):
+class AIFReconNetworkTest(OpenPanel):
     """The tiny sweep, and a network that knows where its echoes are."""
 
     def setUp(self):
-        slicer.mrmlScene.Clear()
-        tinyScene.recordElsewhere(self)
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters, self.live = self.widget.ui, self.widget._parameterNode, self.widget._live
+        super().setUp()
         self.parameters.spacing, self.parameters.holeLimit = 1.0, 0.0
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        self.shown, display = [], slicer.util.infoDisplay
-        slicer.util.infoDisplay = lambda text, **options: self.shown.append(text)
-        self.addCleanup(setattr, slicer.util, "infoDisplay", display)
-
-    def tearDown(self):
-        self.live.close()
-        slicer.mrmlScene.Clear()
-
-    def choose(self, comboBox, text):
-        """Select an item by its text."""
-        comboBox.currentIndex = comboBox.findText(text)
+        patched = mock.patch.object(slicer.util, "infoDisplay")
+        self.shown = patched.start()
+        self.addCleanup(patched.stop)
 
     def said(self):
         """What the network says: certain bone where the echoes are."""
@@ -75,16 +55,7 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     def assertReconstructs(self, expected):
         """Press Reconstruct: these are the voxels."""
-        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
-        self.ui.applyButton.click()
-        self.assertEqual(self.shown, [])
-        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.parameters.output), expected)
-
-    def assertRefused(self, button, *words):
-        """It cannot be pressed, and says why."""
-        self.assertFalse(button.enabled)
-        for word in words:
-            self.assertIn(word, button.toolTip)
+        np.testing.assert_array_equal(self.applied(), expected)
 
     # ---- recorded
 
@@ -122,10 +93,8 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.assertNotIn("bone", self.parameters.sweep.GetName())
         self.assertEqual(self.ui.boneSourceComboBox.currentText, "An AI model, as it was recorded")
         self.ui.applyButton.click()
-        self.assertEqual(self.shown, [])
+        self.shown.assert_not_called()
         self.assertTrue(slicer.util.arrayFromVolume(self.parameters.output).any())
-
-    # ---- the choice
 
     # ---- refusals
 
@@ -136,8 +105,8 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.parameters.sweep, self.parameters.boneModelPath = tinyScene.addSweep(), wrong
         self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
         self.ui.applyButton.click()
-        self.assertEqual(len(self.shown), 1)
-        self.assertIn("cannot run this model", self.shown[0])
+        self.assertEqual(self.shown.call_count, 1)
+        self.assertIn("cannot run this model", self.shown.call_args.args[0])
         self.assertIsNone(self.parameters.output)
         self.ui.liveStartButton.click()
         self.assertFalse(self.live.isRunning)
@@ -146,7 +115,7 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     def stream(self, box=True):
         """A scan whose messages the test gives."""
-        from AIFReconScene.inputs.parameters import ProbeShape, Region
+        from AIFReconScene.inputs.parameters import ProbeShape
         from AIFReconScene.work import inWorker, worker
 
         tinyScene.requireLivePackages()
@@ -157,12 +126,9 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.parameters.probe, self.parameters.clipColumn = ProbeShape.LINEAR, tinyScene.MARGIN
         self.parameters.clipWidth, self.parameters.clipHeight = tinyScene.FRAME_SIZE[0] - 2 * tinyScene.MARGIN, tinyScene.FRAME_SIZE[1]
         if box:
-            roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
-            roi.SetCenterWorld(0.0, 16.0, 0.0)
-            roi.SetSize(40.0, 40.0, 30.0)
-            self.parameters.roi, self.parameters.region = roi, Region.BOX
+            self.chooseBox()
         self.ui.liveStartButton.click()
-        self.assertTrue(self.live.isRunning, self.shown)
+        self.assertTrue(self.live.isRunning, self.shown.call_args)
 
     def send(self, device="", rounds=range(1)):
         """The tiny sweep again and again, and what the network says of it where that has a device."""
@@ -186,9 +152,9 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     def assertGrows(self):
         """What is known of bone reaches the volume; then the scan is stopped."""
-        self.assertTrue(waitFor(lambda: "Bone is known from" in self.ui.liveStatisticsLabel.text))
+        self.waitUntil(lambda: "Bone is known from" in self.ui.liveStatisticsLabel.text)
         self.ui.liveStopButton.click()
-        self.assertEqual(self.shown, [])
+        self.shown.assert_not_called()
         self.assertTrue(slicer.util.arrayFromVolume(self.parameters.output).any())
 
     def test_predictions_that_are_streamed_weight_a_scan_and_are_recorded_with_it(self):
@@ -200,7 +166,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.stream()
         self.assertFalse(self.ui.liveBoneSourceComboBox.enabled)
         self.send("Bone")
-        self.assertTrue(waitFor(lambda: any("from 11 " in line for line in self.live._live.seen.bone_lines)), self.live._live.seen)
+        self.waitUntil(lambda: any("from 11 " in line for line in self.live._live.seen.bone_lines))
         self.assertGrows()
         self.assertIn("scan-bone.mhd", self.ui.liveStatisticsLabel.text)
         again = RecordedPredictions(read_sequence(self.folder / "scan.mhd"), read_sequence(self.folder / "scan-bone.mhd"))
@@ -211,7 +177,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.choose(self.ui.liveBoneSourceComboBox, "An AI model in a file")
         self.stream(box=False)
         self.send(rounds=range(3))
-        self.assertTrue(waitFor(lambda: any("Bone is known from" in line for line in self.live._live.seen.bone_lines)))
+        self.waitUntil(lambda: any("Bone is known from" in line for line in self.live._live.seen.bone_lines))
         self.ui.liveUseBoxButton.click()
         self.send(rounds=range(3))
         self.assertGrows()

@@ -2,61 +2,30 @@
 
 import importlib
 import logging
-import pathlib
-import sys
-import tempfile
-import unittest
 from unittest import mock
 
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
 import workerStates
+from openPanel import OpenPanel
 
 
-class AIFReconPanelTest(unittest.TestCase):
+class AIFReconPanelTest(OpenPanel):
     """The panel, as a user works with it."""
-
-    def setUp(self):
-        slicer.mrmlScene.Clear()
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui = self.widget.ui
-        self.parameters = self.widget._parameterNode
-
-    def tearDown(self):
-        slicer.mrmlScene.Clear()
-
-    def addInputs(self):
-        """Sweep, CT and bone, chosen."""
-        self.parameters.sweep = tinyScene.addSweep()
-        ct, bone, _registration = tinyScene.addCT()
-        self.parameters.ctVolume, self.parameters.bone = ct, bone
-        self.parameters.spacing = 1.0
-
-    # ---- widgets and parameters
-
-    def test_the_method_of_the_list_reaches_the_settings(self):
-        from AIFReconScene.inputs.parameters import settingsFrom
-
-        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("aif-compensated")
-        self.assertEqual(settingsFrom(self.parameters).method, "aif-compensated")
 
     def test_a_method_that_was_registered_meanwhile_is_in_the_list_and_makes_the_volume(self):
         own = importlib.import_module("ownMethod").flat
         self.addInputs()
         self.widget.enter()
-        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText(own.name)
+        self.choose(self.ui.methodComboBox, own.name)
         self.assertEqual(self.parameters.ownMethod, own.name)
         self.ui.applyButton.click()
         self.assertEqual(self.parameters.output.GetAttribute("AIFRecon.Method"), own.name)
         self.assertEqual(set(np.unique(slicer.util.arrayFromVolume(self.parameters.output))), {0, 77})
         self.parameters.bone = None
         self.assertIn(f"{own.name} needs bone", self.ui.statusLabel.text)
-        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("average")
+        self.choose(self.ui.methodComboBox, "average")
         self.assertEqual(self.parameters.ownMethod, "")
         self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
 
@@ -88,9 +57,7 @@ class AIFReconPanelTest(unittest.TestCase):
         slicer.util.updateVolumeFromArray(ct, values if hounsfield else values + 1024)
         ct.SetSpacing(1.0, 1.2, 1.5)
         place = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode")
-        matrix = np.eye(4)
-        matrix[:3, 3] = 5.0, -7.0, 11.0
-        place.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
+        tinyScene.setMatrix(place, tinyScene.moved(5.0, -7.0, 11.0))
         ct.SetAndObserveTransformNodeID(place.GetID())
         self.parameters.ctVolume = ct
         return ct
@@ -126,81 +93,7 @@ class AIFReconPanelTest(unittest.TestCase):
 
     # ---- what can be pressed
 
-    def test_apply_asks_for_bone_where_the_method_needs_it(self):
-        from AIFReconScene.inputs.parameters import Method
-
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.method = Method.WEIGHTED
-        self.assertFalse(self.ui.applyButton.enabled)
-        self.assertIn("needs bone", self.ui.statusLabel.text)
-
     # ---- work
-
-    def test_apply_makes_the_volume_and_shows_it_over_the_ct(self):
-        self.addInputs()
-        self.ui.applyButton.click()
-        output = self.parameters.output
-        self.assertIsNotNone(output)
-        composite = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
-        self.assertEqual(composite.GetBackgroundVolumeID(), self.parameters.ctVolume.GetID())
-        self.assertEqual(composite.GetForegroundVolumeID(), output.GetID())
-        self.assertAlmostEqual(composite.GetForegroundOpacity(), self.parameters.opacity)
-
-    def test_a_recording_is_loaded_with_poses_and_statuses(self):
-        from AIFReconLib import write_sequence
-
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "sweep.igs.mha"
-            write_sequence(tinyScene.makeSequence(), path)
-            self.parameters.recordingPath = path
-            self.assertTrue(self.ui.loadButton.enabled, self.ui.loadButton.toolTip)
-            self.ui.loadButton.click()
-        self.assertIsNotNone(self.parameters.sweep)
-        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
-
-    def test_a_cancel_leaves_the_scene_as_it_was(self):
-        self.addInputs()
-        before = self.nodeIDs()
-        self.cancelDuring(lambda: self.widget._work.cancel())
-        self.assertEqual(self.nodeIDs(), before)
-        self.assertIsNone(self.parameters.output)
-        self.assertTrue(self.ui.applyButton.enabled)
-
-    def test_a_scene_that_is_closed_during_a_run_ends_the_run(self):
-        self.addInputs()
-        self.cancelDuring(lambda: slicer.mrmlScene.Clear())
-        self.assertFalse(self.widget._work.isRunning)
-        self.assertEqual(slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode"), [])
-        self.assertFalse(self.ui.applyButton.enabled)
-
-    def cancelDuring(self, interrupt):
-        """Press Apply and do something as soon as the work has begun."""
-        apply = self.widget.logic.apply
-
-        def interrupted(parameters, progress):
-            seen = []
-
-            def report(fraction, message):
-                if fraction > 0.3 and not seen:
-                    seen.append(fraction)
-                    interrupt()
-                return progress(fraction, message)
-
-            try:
-                return apply(parameters, report)
-            finally:
-                self.assertTrue(seen)
-
-        self.widget.logic.apply = interrupted
-        try:
-            self.ui.applyButton.click()
-        finally:
-            del self.widget.logic.apply
-
-    def nodeIDs(self):
-        """Every node of the scene."""
-        nodes = slicer.mrmlScene.GetNodes()
-        return sorted(nodes.GetItemAsObject(index).GetID() for index in range(nodes.GetNumberOfItems()))
 
     def test_the_methods_are_compared_in_a_table(self):
         self.addInputs()
@@ -219,6 +112,9 @@ class AIFReconPanelTest(unittest.TestCase):
         voxels = slicer.util.arrayFromVolume(self.parameters.output).copy()
         name = self.parameters.output.GetName()
         tinyScene.saveAndOpenAgain(self)
+        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
+        self.assertEqual(self.ui.sweepSelector.currentNode().GetName(), "Sweep")
+        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
         parameters = self.widget.logic.getParameterNode()
         self.assertEqual(parameters.output.GetName(), name)
         self.assertAlmostEqual(parameters.alpha, 0.4)
@@ -252,16 +148,10 @@ class AIFReconPanelTest(unittest.TestCase):
         self.addInputs()
         self.assertNotIn("meanwhile", self.ui.statusLabel.text)
         slicer.mrmlScene.Clear()
-        failed = mock.patch.object(sampleData, "addPhantom", side_effect=OutputError("No space."))
-        with failed, mock.patch.object(slicer.util, "infoDisplay") as shown:
-            self.ui.sampleButton.click()
-        self.assertEqual(shown.call_args.args[0], "The sample patient could not be made.\n\nNo space.")
-
-    def test_a_closed_scene_leaves_an_empty_panel(self):
-        self.addInputs()
-        slicer.mrmlScene.Clear()
         self.assertFalse(self.ui.applyButton.enabled)
-        self.assertIsNone(self.widget._parameterNode.sweep)
+        with mock.patch.object(sampleData, "addPhantom", side_effect=OutputError("No space.")):
+            said = self.messageOf(self.ui.sampleButton.click)
+        self.assertEqual(said, "The sample patient could not be made.\n\nNo space.")
 
     def test_what_the_library_notes_in_the_worker_reaches_the_application_s_log(self):
         from AIFReconScene.work import inWorker
@@ -271,6 +161,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertEqual(seen.output, ["ERROR:AIFReconLib.live:noted"])
 
     def test_the_module_can_be_reloaded(self):
-        self.widget.onReload()
-        self.assertIsNot(slicer.modules.AIFReconWidget, self.widget)
-        self.assertFalse(slicer.modules.AIFReconWidget.ui.applyButton.enabled)
+        before = self.widget
+        before.onReload()
+        self.assertIsNot(self.widget, before)
+        self.assertFalse(self.ui.applyButton.enabled)

@@ -1,15 +1,10 @@
 """Self tests of the parameters: names, ranges and defaults are the library's, and they come back from a saved scene."""
 
-import pathlib
-import sys
 import unittest
 
 import slicer
-import vtk
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
+import vtk
 
 
 class AIFReconParametersTest(unittest.TestCase):

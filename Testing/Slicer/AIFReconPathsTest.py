@@ -1,42 +1,23 @@
 """Self tests of the section Paths: lines and map in the scene, the number that follows a line that is dragged, and what must be said."""
 
-import pathlib
-import sys
-import unittest
-from unittest import mock
-
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
-from AIFReconLiveTest import waitFor
-from simulatedPatient import addPatient
+from simulatedPatient import OpenPatient, patient
 
 FRAMES = 63
 """Of the sweep: seven at each of nine angles."""
 
 
-class AIFReconPathsTest(unittest.TestCase):
+class AIFReconPathsTest(OpenPatient):
     """The section, on a simulated patient."""
 
+    frames, spacing = FRAMES, 1.5
+
     def setUp(self):
-        slicer.mrmlScene.Clear()
-        tinyScene.recordElsewhere(self)
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        super().setUp()
         self.paths = self.widget.logic.paths
         self.ui.pathsCollapsibleButton.collapsed = False
-        self.ui.tabWidget.currentIndex = 0
-        self.nodes = addPatient(frames=FRAMES)
-        self.widget.initializeParameterNode()
-        self.parameters.spacing = 1.5
-
-    def tearDown(self):
-        self.widget._live.close()
-        slicer.mrmlScene.Clear()
 
     # ---- what tests do
 
@@ -46,7 +27,7 @@ class AIFReconPathsTest(unittest.TestCase):
             self.ui.applyButton.click()
         self.assertTrue(self.ui.findPathsButton.enabled, self.ui.findPathsButton.toolTip)
         self.ui.findPathsButton.click()
-        self.assertTrue(waitFor(lambda: bool(self.ui.pathsLabel.text)))
+        self.waitUntil(lambda: bool(self.ui.pathsLabel.text))
         return self.ui.pathsLabel.text
 
     def expected(self, target="1-2", labels=True):
@@ -126,7 +107,7 @@ class AIFReconPathsTest(unittest.TestCase):
         for step in ((0.0, 0.0, 6.0), (9.0, 0.0, 2.0), (-20.0, 4.0, 0.0)):
             node.SetNthControlPointPositionWorld(0, *(self.points()[0] + step))
             expected = self.words(found, *self.points())
-            self.assertTrue(waitFor(lambda expected=expected: expected in self.ui.pathsLabel.text), (expected, self.ui.pathsLabel.text))
+            self.waitUntil(lambda expected=expected: expected in self.ui.pathsLabel.text), (expected, self.ui.pathsLabel.text)
 
     def test_another_line_is_shown_with_the_slices_along_and_across_it_until_the_scene_is_closed(self):
         self.find()
@@ -159,11 +140,11 @@ class AIFReconPathsTest(unittest.TestCase):
     def test_the_next_move_leads_to_windows_that_were_not_seen(self):
         self.find()
         self.ui.guidanceCheckBox.click()
-        self.assertTrue(waitFor(lambda: "looks where paths were not seen" in self.ui.guidanceLabel.text), self.ui.guidanceLabel.text)
+        self.waitUntil(lambda: "looks where paths were not seen" in self.ui.guidanceLabel.text)
         self.ui.pathTargetComboBox.currentIndex = 1
-        self.assertTrue(waitFor(lambda: self.paths.unseen is None))
+        self.waitUntil(lambda: self.paths.unseen is None)
         self.ui.guidanceSweepButton.click()
-        self.assertTrue(waitFor(lambda: "more bone" in self.ui.guidanceLabel.text), self.ui.guidanceLabel.text)
+        self.waitUntil(lambda: "more bone" in self.ui.guidanceLabel.text)
 
     # ---- what changes
 
@@ -176,23 +157,15 @@ class AIFReconPathsTest(unittest.TestCase):
             shown = [slicer.util.getNode("Free paths on the skin"), slicer.util.getNode("Path 1")]
             self.assertTrue(all(node.GetDisplayVisibility() for node in shown))
             change()
-            self.assertTrue(waitFor(lambda: not self.ui.pathsLabel.text))
+            self.waitUntil(lambda: not self.ui.pathsLabel.text)
             self.assertFalse(any(node.GetDisplayVisibility() for node in shown))
             self.assertFalse(self.ui.pathsComboBox.visible)
-            tinyScene.setMatrix(self.nodes.ctToReference, self.nodes_place())
-
-    def nodes_place(self):
-        """Where the simulated CT lies."""
-        from AIFReconScene.volumes import phantomSample
-        from simulatedPatient import simulated
-
-        return simulated(phantomSample.simulated_patient, 0, FRAMES).ct_to_reference
+            tinyScene.setMatrix(self.nodes.ctToReference, patient(frames=FRAMES).ct_to_reference)
 
     def test_paths_are_saved_with_the_scene_and_found_again_in_the_same_nodes(self):
         self.find()
         made, points = self.made(), self.points()
         tinyScene.saveAndOpenAgain(self)
-        self.parameters = self.widget._parameterNode
         self.assertEqual(self.made(), made)
         np.testing.assert_allclose(self.points(), points, atol=1e-3)
         skin = slicer.util.getNode("Free paths on the skin")
@@ -204,18 +177,14 @@ class AIFReconPathsTest(unittest.TestCase):
         self.assertEqual(len(self.made()), 1 + len(self.paths.lines))
 
     def test_a_scan_that_has_ended_needs_no_sweep(self):
-        from AIFReconScene.inputs.parameters import LiveSource
+        from AIFReconScene.inputs.boxes import layAround
 
-        self.parameters.liveSource = LiveSource.SCENE
-        self.parameters.liveImage = self.nodes.browser.GetProxyNode(self.nodes.browser.GetMasterSequenceNode())
-        self.parameters.sweep, self.parameters.region = None, self.box()
+        self.follow(self.nodes.browser)
+        self.parameters.sweep = self.nodes.browser
+        layAround(self.chooseBox(), self.parameters)
+        self.parameters.sweep = None
         self.ui.liveStartButton.click()
-        live = self.widget._live
-        for number in range(FRAMES):
-            seen = live._live.statistics.frames_received
-            self.nodes.browser.SetSelectedItemNumber(number)
-            slicer.modules.sequences.logic().UpdateProxyNodesFromSequences(self.nodes.browser)
-            self.assertTrue(waitFor(lambda seen=seen: live._live.statistics.frames_received > seen))
+        self.playFrames(self.nodes.browser, range(FRAMES))
         self.ui.liveStopButton.click()
         self.assertIsNotNone(self.parameters.output)
         self.assertIsNone(self.parameters.sweep)
@@ -226,17 +195,6 @@ class AIFReconPathsTest(unittest.TestCase):
         near = np.linalg.norm(slicer.util.arrayFromModelPoints(slicer.util.getNode("Free paths on the skin"))[:, None] - expected, axis=2)
         self.assertLess(np.median(near.min(axis=1)), 1.0)
         self.assertGreater(len(skin), FRAMES)
-
-    def box(self):
-        """The region of a box around the sweep."""
-        from AIFReconScene.inputs.boxes import layAround
-        from AIFReconScene.inputs.parameters import Region
-
-        roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode")
-        self.parameters.sweep = self.nodes.browser
-        layAround(roi, self.parameters)
-        self.parameters.roi, self.parameters.sweep = roi, None
-        return Region.BOX
 
     # ---- what is missing
 
@@ -257,9 +215,7 @@ class AIFReconPathsTest(unittest.TestCase):
     def test_a_target_out_of_reach_is_one_sentence(self):
         self.ui.applyButton.click()
         self.addPoint(500.0, 0.0, 0.0)
-        with mock.patch.object(slicer.util, "infoDisplay") as shown:
-            self.ui.findPathsButton.click()
-        self.assertIn("The target must lie 5 to 200 mm under the skin", shown.call_args[0][0])
+        self.assertIn("The target must lie 5 to 200 mm under the skin", self.messageOf(self.ui.findPathsButton.click))
         self.assertEqual((self.ui.pathsLabel.text, self.made()), ("", []))
 
     def test_no_path_at_all_is_one_sentence(self):

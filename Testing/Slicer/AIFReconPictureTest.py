@@ -1,45 +1,24 @@
 """Self tests of the picture: measured or enhanced, the tint, bone in 3D, the probe's side up, names of levels, and the report."""
 
-import pathlib
-import sys
-import tempfile
-import unittest
-
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
-from AIFReconLiveTest import waitFor
+from openPanel import OpenPanel
 
 
-class AIFReconPictureTest(unittest.TestCase):
+class AIFReconPictureTest(OpenPanel):
     """The part of the panel that says how a reconstruction is looked at."""
 
     def setUp(self):
-        slicer.mrmlScene.Clear()
+        super().setUp()
         slicer.app.layoutManager().setLayout(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
-        self.picture = next(each for each in self.widget._recorded._followers if type(each).__name__ == "PicturePanel")
-
-    def tearDown(self):
-        slicer.mrmlScene.Clear()
+        self.picture = self.picturePanel()
 
     def reconstruct(self):
         """Sweep, CT and bone are chosen and Reconstruct is pressed; the volume."""
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        self.parameters.bone.CreateDefaultDisplayNodes()
-        self.parameters.spacing = 2.0
+        self.addInputs(spacing=2.0)
         self.ui.applyButton.click()
         return self.parameters.output
-
-    def composite(self, name="Red"):
-        """What a slice view shows."""
-        return slicer.app.layoutManager().sliceWidget(name).mrmlSliceCompositeNode()
 
     def measured(self):
         """The plain echo that is kept beside the output."""
@@ -154,14 +133,13 @@ class AIFReconPictureTest(unittest.TestCase):
 
     def axes(self, name):
         """Right and up of a slice view, RAS."""
-        place = tinyScene.placeOf(slicer.app.layoutManager().sliceWidget(name).mrmlSliceNode())
-        return place[:3, 0], place[:3, 1]
+        return tinyScene.placeOf(self.sliceWidget(name).mrmlSliceNode())[:3, :2].T
 
     def test_with_the_probe_s_side_up_the_red_view_lies_as_the_frames_do_and_comes_back(self):
         self.parameters.sweep = tinyScene.addSweep()
         before = self.axes("Red")
         self.picture._ui.probeUpCheckBox.click()
-        self.assertTrue(waitFor(lambda: self.isTurned("Green")))
+        self.waitUntil(lambda: self.isTurned("Green"))
         right, up = self.axes("Red")
         # On the mean the frames' rows run along +y, and their columns along +x
         np.testing.assert_allclose(up, [0.0, -1.0, 0.0], atol=0.1)
@@ -171,17 +149,17 @@ class AIFReconPictureTest(unittest.TestCase):
         right, up = self.axes("Green")
         np.testing.assert_allclose((right, up), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], atol=0.1)
         self.picture._ui.probeUpCheckBox.click()
-        self.assertTrue(waitFor(lambda: not self.isTurned("Green")))
+        self.waitUntil(lambda: not self.isTurned("Green"))
         np.testing.assert_allclose(self.axes("Red"), before, atol=1e-6)
 
     def isTurned(self, name) -> bool:
         """Whether the probe's side is up in a slice view, the last of which is the green one."""
-        return slicer.app.layoutManager().sliceWidget(name).mrmlSliceNode().GetOrientation().endswith("ProbeUp")
+        return self.sliceWidget(name).mrmlSliceNode().GetOrientation().endswith("ProbeUp")
 
     def showNames(self):
         """Set the box; the green view is the last to get its names."""
         self.picture._ui.showLevelsCheckBox.click()
-        self.assertTrue(waitFor(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is not None))
+        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is not None)
 
     def namesIn(self, name):
         """Names that are written into a slice view."""
@@ -193,13 +171,13 @@ class AIFReconPictureTest(unittest.TestCase):
         bone.GetSegmentation().GetNthSegment(0).SetName("L3")
         self.parameters.bone = bone
         self.showNames()
-        green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
+        green = self.sliceWidget("Green").mrmlSliceNode()
         for away, names in ((0.0, ["L3"]), (60.0, [])):
             with self.subTest(away=away):
                 green.JumpSliceByCentering(0.0, tinyScene.FACE + 4.0 + away, 0.0)
                 self.assertEqual(self.namesIn("Green"), names)
         self.picture._ui.showLevelsCheckBox.click()
-        self.assertTrue(waitFor(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None))
+        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None)
 
     def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place(self):
         ct, bone, registration = tinyScene.addCT()
@@ -214,7 +192,7 @@ class AIFReconPictureTest(unittest.TestCase):
             bone.GetSegmentation().GetNthSegment(number).SetName(name)
         self.parameters.bone = bone
         self.showNames()
-        green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
+        green = self.sliceWidget("Green").mrmlSliceNode()
         middles = [tinyScene.CT_TO_WORLD @ tinyScene.ijkToRAS(ct) @ [i + 2.5, 24.5, 19.5, 1.0] for i in (10, 30)]
         green.JumpSliceByCentering(*(middles[0] + middles[1])[:3] / 2)
         self.assertEqual(self.namesIn("Green"), ["L3", "L4"])
@@ -228,9 +206,8 @@ class AIFReconPictureTest(unittest.TestCase):
 
     def test_the_page_stands_alone_with_pictures_sweep_agreement_coverage_and_settings(self):
         self.showBone()
-        with tempfile.TemporaryDirectory() as folder:
-            self.picture.saveReport(pathlib.Path(folder) / "one")
-            page = (pathlib.Path(folder) / "one.html").read_text("utf-8")
+        self.picture.saveReport(self.folder / "one")
+        page = (self.folder / "one.html").read_text("utf-8")
         self.assertEqual(page.count("data:image/png;base64,"), 7)
         for words in ("as measured", "CT and sweep", "Bone hit by the beams", "weight_floor", "frames used".capitalize(), "AIFRecon"):
             self.assertIn(words, page)

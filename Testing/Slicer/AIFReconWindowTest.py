@@ -1,37 +1,21 @@
 """Self tests of the panel in Slicer's main window: how wide it is, and what can be reached without scrolling."""
 
-import pathlib
-import sys
-import unittest
-
 import qt
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
-from AIFReconLiveTest import waitFor
+from openPanel import OpenPanel
 
 LONG = "The recording of the second sweep over the lumbar spine has no transform from ProbeToTracker. " * 4
 
 
-class AIFReconWindowTest(unittest.TestCase):
+class AIFReconWindowTest(OpenPanel):
     """The panel beside the views."""
 
     def setUp(self):
-        slicer.mrmlScene.Clear()
-        tinyScene.recordElsewhere(self)
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        super().setUp()
         self.window = slicer.util.mainWindow()
         if self.window is None:
             self.skipTest("this Slicer runs without its main window")
-        self.ui.tabWidget.currentIndex = 0
-
-    def tearDown(self):
-        self.widget._live.close()
-        slicer.mrmlScene.Clear()
 
     def settle(self):
         """Let the window lay itself out: every level asks the one around it."""
@@ -93,25 +77,21 @@ class AIFReconWindowTest(unittest.TestCase):
         return (seen.width(), seen.height()) == (widget.width, widget.height)
 
     def test_a_scan_can_be_steered_without_scrolling_in_a_window_of_1000_pixels(self):
-        from AIFReconLib.live.replay.server import ReplayServer
-
-        tinyScene.requireLivePackages()
         self.window.resize(1400, 1000)
         self.ui.tabWidget.currentIndex = 1
-        with ReplayServer(tinyScene.makeSequence(), 0, rate=20.0, loop=True) as server:
-            self.parameters.liveHost, self.parameters.livePort = "127.0.0.1", server.port
-            self.ui.liveStartButton.click()
-            self.assertTrue(waitFor(lambda: self.ui.liveUseBoxButton.enabled))
-            for name in ("PauseButton", "ResetButton", "StopButton", "UseBoxButton", "StateLabel", "RecordedLabel"):
-                with self.subTest(widget=name):
-                    self.assertTrue(waitFor(lambda name=name: self.isSeen(getattr(self.ui, f"live{name}"))))
-            where = self.ui.liveStopButton.y
-            for said in (
-                "Probe seen",
-                "Bring what is not seen into the tracker's view",
-                "\u2192  aim the beam 12\u00b0 more toward the patient's right",
-            ):
-                self.widget._live._showMove(said)
-                self.settle()
-                self.assertEqual(self.ui.liveStopButton.y, where)
-            self.ui.liveStopButton.click()
+        self.serve(rate=20.0, loop=True)
+        self.ui.liveStartButton.click()
+        self.waitUntil(lambda: self.ui.liveUseBoxButton.enabled)
+        for name in ("PauseButton", "ResetButton", "StopButton", "UseBoxButton", "StateLabel", "RecordedLabel"):
+            with self.subTest(widget=name):
+                self.waitUntil(lambda name=name: self.isSeen(getattr(self.ui, f"live{name}")))
+        where = self.ui.liveStopButton.y
+        for said in (
+            "Probe seen",
+            "Bring what is not seen into the tracker's view",
+            "\u2192  aim the beam 12\u00b0 more toward the patient's right",
+        ):
+            self.widget._live._showMove(said)
+            self.settle()
+            self.assertEqual(self.ui.liveStopButton.y, where)
+        self.ui.liveStopButton.click()

@@ -1,71 +1,23 @@
 """Self tests of long work: canceled at any point it leaves the scene as it was, and what is done again replaces what was done before."""
 
-import pathlib
-import sys
-import tempfile
-import unittest
-from unittest import mock
-
 import numpy as np
 import slicer
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
 import tinyScene
 import workerStates
+from openPanel import OpenPanel
 
 
-class AIFReconWorkTest(unittest.TestCase):
+class AIFReconWorkTest(OpenPanel):
     """Load, Apply and Compare methods: canceled, repeated, undone."""
-
-    def setUp(self):
-        slicer.mrmlScene.Clear()
-        slicer.util.selectModule("AIFRecon")
-        self.widget = slicer.modules.AIFReconWidget
-        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
 
     def tearDown(self):
         slicer.mrmlScene.SetUndoOff()
         slicer.mrmlScene.ClearUndoStack()
-        slicer.mrmlScene.Clear()
+        super().tearDown()
 
-    def addInputs(self):
-        """Sweep, CT and bone, chosen."""
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        self.parameters.spacing = 2.0
-
-    def chooseRecording(self):
-        """A recording of the sweep in a file."""
-        from AIFReconLib import write_sequence
-
-        path = pathlib.Path(self.folder.name) / "lumbar.igs.mha"
-        write_sequence(tinyScene.makeSequence(), path)
-        self.parameters.recordingPath = path
-
-    def pressAndCancel(self, button, work: str, fraction: float, cancel=None):
-        """Press a button and cancel, or do something else, as soon as `work` of the logic has come so far."""
-        do = getattr(self.widget.logic, work)
-        # Once: a worker that is killed again before its end is heard would be the next one
-        cancels = iter([cancel or self.widget._work.cancel])
-
-        def canceled(*parameters, progress=None):
-            *parameters, progress = parameters if progress is None else (*parameters, progress)
-
-            def report(done, message):
-                if done >= fraction:
-                    next(cancels, lambda: None)()
-                return progress(done, message)
-
-            return do(*parameters, report)
-
-        setattr(self.widget.logic, work, canceled)
-        try:
-            button.click()
-        finally:
-            delattr(self.widget.logic, work)
+    def pressAndCancel(self, button, work: str, fraction: float):
+        """Press a button and cancel as soon as `work` of the logic has come so far."""
+        self.pressAnd(button, self.widget.logic, work, fraction, lambda: self.widget._work.cancel())
 
     def scene(self) -> dict:
         """Every node by its ID with its name, and what the views show."""
@@ -91,12 +43,10 @@ class AIFReconWorkTest(unittest.TestCase):
     # ---- the worker
 
     def test_a_worker_that_dies_in_a_reconstruction_is_told_in_a_sentence_and_the_next_press_works(self):
-        self.addInputs()
-        before, told = self.scene(), []
-        with mock.patch.object(slicer.util, "infoDisplay", lambda text, **options: told.append(text)):
-            self.pressAndCancel(self.ui.applyButton, "apply", 0.1, workerStates.killWorker)
-        self.assertEqual(len(told), 1)
-        self.assertIn("The process that computes ended with code 9. Nothing was changed; try again.", told[0])
+        self.addInputs(spacing=2.0)
+        before = self.scene()
+        told = self.messageOf(lambda: self.pressAnd(self.ui.applyButton, self.widget.logic, "apply", 0.1, workerStates.killWorker))
+        self.assertIn("The process that computes ended with code 9. Nothing was changed; try again.", told)
         self.assertEqual(self.scene(), before)
         self.ui.applyButton.click()
         self.assertIsNotNone(self.parameters.output)
@@ -109,7 +59,6 @@ class AIFReconWorkTest(unittest.TestCase):
         self.ui.loadButton.click()
         slicer.mrmlScene.Clear()
         slicer.app.processEvents()
-        self.parameters = self.widget._parameterNode
         self.chooseRecording()
         before = self.scene()
         for fraction in (0.0, 0.3, 0.9, 0.94):
@@ -124,18 +73,15 @@ class AIFReconWorkTest(unittest.TestCase):
         from AIFReconLib import write_sequence
         from AIFReconLib.geometry.volume import Volume
 
-        folder = pathlib.Path(self.folder.name)
-        paths = [folder / name for name in ("first.igs.mha", "second.igs.mha", "ct.nrrd", "labels.nrrd", "place.tfm")]
+        paths = [self.folder / name for name in ("first.igs.mha", "second.igs.mha", "ct.nrrd", "labels.nrrd", "place.tfm")]
         for path in paths[:2]:
             write_sequence(tinyScene.makeSequence(), path)
         array = np.zeros((6, 6, 6), np.int16)
         array[2:4, 2:4, 1:3], array[2:4, 2:4, 4:5] = 1, 2
         Volume(array * 700 - 500, np.eye(4)).write(paths[2])
         Volume(array.astype(np.uint8), np.eye(4)).write(paths[3])
-        node, storage = slicer.vtkMRMLLinearTransformNode(), slicer.vtkMRMLTransformStorageNode()
-        storage.SetFileName(str(paths[4]))
-        self.assertTrue(storage.WriteData(node))
-        self.addInputs()
+        tinyScene.write(slicer.vtkMRMLLinearTransformNode(), paths[4])
+        self.addInputs(spacing=2.0)
         self.widget._recorded._ask = lambda: paths
         self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
         return paths
@@ -177,13 +123,14 @@ class AIFReconWorkTest(unittest.TestCase):
         self.assertEqual(above[0], above[1])
         self.assertNotIn(above[0], before)
 
-    def test_a_canceled_comparison_leaves_the_scene_as_it_was(self):
-        self.addInputs()
+    def test_a_canceled_comparison_or_reconstruction_leaves_the_scene_as_it_was(self):
+        self.addInputs(spacing=2.0)
         self.ui.applyButton.click()
         before, output = self.scene(), self.parameters.output
-        for fraction in (0.0, 0.3, 0.6, 0.8, 0.98):
-            with self.subTest(fraction=fraction):
-                self.pressAndCancel(self.ui.compareButton, "compare", fraction)
+        compare, apply = (self.ui.compareButton, "compare"), (self.ui.applyButton, "apply")
+        for (button, work), fraction in ((compare, 0.0), (compare, 0.3), (compare, 0.6), (compare, 0.8), (compare, 0.98), (apply, 0.5)):
+            with self.subTest(work=work, fraction=fraction):
+                self.pressAndCancel(button, work, fraction)
                 self.assertEqual(self.scene(), before)
                 self.assertIs(self.parameters.output, output)
                 self.assertIn("Canceled", self.ui.statusLabel.text)
@@ -223,14 +170,13 @@ class AIFReconWorkTest(unittest.TestCase):
         slicer.mrmlScene.Clear()
         layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
         layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
-        self.parameters = self.widget._parameterNode
         self.widget._recorded._ask = lambda: paths
         self.ui.openButton.click()
-        camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()
+        camera = self.threeDView().cameraNode()
         self.assertGreater(np.linalg.norm(np.subtract(camera.GetPosition(), camera.GetFocalPoint())), 10.0)
 
     def test_outlines_of_bone_are_off_by_one_press_and_stay_off(self):
-        self.addInputs()
+        self.addInputs(spacing=2.0)
         self.ui.applyButton.click()
         display = self.parameters.bone.GetDisplayNode()
         self.assertTrue(display.GetVisibility2D())
@@ -244,7 +190,7 @@ class AIFReconWorkTest(unittest.TestCase):
     # ---- again
 
     def test_a_result_that_was_renamed_is_not_written_over(self):
-        self.addInputs()
+        self.addInputs(spacing=2.0)
         self.ui.applyButton.click()
         mine = self.parameters.output
         mine.SetName("Mine")
@@ -255,7 +201,7 @@ class AIFReconWorkTest(unittest.TestCase):
         self.assertTrue(np.array_equal(slicer.util.arrayFromVolume(mine), voxels))
 
     def test_what_was_kept_beside_a_result_goes_with_it(self):
-        self.addInputs()
+        self.addInputs(spacing=2.0)
         self.ui.applyButton.click()
         self.assertIn("Sweep measured", self.made())
         slicer.mrmlScene.RemoveNode(self.parameters.output)
@@ -264,7 +210,7 @@ class AIFReconWorkTest(unittest.TestCase):
     def test_a_comparison_does_not_write_over_a_reconstruction(self):
         from AIFReconScene.inputs.parameters import Method
 
-        self.addInputs()
+        self.addInputs(spacing=2.0)
         self.ui.compareButton.click()
         adopted = slicer.util.getNode("Sweep comparison average")
         self.parameters.output, self.parameters.method = adopted, Method.AVERAGE
@@ -282,7 +228,7 @@ class AIFReconWorkTest(unittest.TestCase):
         slicer.mrmlScene.AddDefaultNode(usual)
         self.addCleanup(usual.UndoEnabledOff)
         slicer.mrmlScene.SetUndoOn()
-        self.addInputs()
+        self.addInputs(spacing=2.0)
         self.ui.applyButton.click()
         self.parameters.output = None
         self.ui.applyButton.click()
@@ -298,16 +244,12 @@ class AIFReconWorkTest(unittest.TestCase):
         return [name for name in self.made() if "measured" not in name]
 
     def test_a_scene_that_is_added_to_another_leaves_both_sweeps_usable(self):
-        self.addInputs()
-        path = pathlib.Path(self.folder.name) / "scene.mrb"
-        self.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
-        self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), False))
+        self.addInputs(spacing=2.0)
+        tinyScene.saveAndOpenAgain(self, beside=True)
         sweeps = slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode")
         self.assertEqual(len(sweeps), 2)
-        parameters, volumes = self.widget._parameterNode, []
+        volumes = []
         for sweep in sweeps:
-            parameters.sweep, parameters.output = sweep, None
-            self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
-            self.ui.applyButton.click()
-            volumes.append(slicer.util.arrayFromVolume(parameters.output))
+            self.parameters.sweep, self.parameters.output = sweep, None
+            volumes.append(self.applied())
         np.testing.assert_array_equal(*volumes)

@@ -1,6 +1,9 @@
 """A simulated patient as nodes, for self tests that need a spine: simulated once in a process, for that takes seconds, and added anew."""
 
+from dataclasses import replace
 from functools import lru_cache
+
+from openPanel import OpenPanel
 
 FRAMES = 27
 """Of the sweep: three at each of nine angles."""
@@ -12,8 +15,34 @@ def simulated(simulate, seed: int, frames: int):
     return simulate(seed, frames=frames, spacing=1.6)
 
 
-def addPatient(seed: int = 0, frames: int = FRAMES):
-    """The `PhantomNodes` of a patient, added to the scene."""
+def patient(seed: int = 0, frames: int = FRAMES):
+    """What is simulated."""
     from AIFReconScene.volumes import phantomSample
 
-    return phantomSample.addPatient(simulated(phantomSample.simulated_patient, seed, frames))
+    return simulated(phantomSample.simulated_patient, seed, frames)
+
+
+def addPatient(seed: int = 0, frames: int = FRAMES, **changed):
+    """The `PhantomNodes` of a patient, added to the scene, with another sweep if that is given."""
+    from AIFReconScene.volumes import phantomSample
+
+    return phantomSample.addPatient(replace(patient(seed, frames), **changed))
+
+
+def wronglyCalibrated(by, sweep=None):
+    """A patient's sweep with a calibration that is wrong by a (4, 4) matrix of pixels."""
+    from AIFReconLib.sweep.edits import corrected, with_configured_transforms
+
+    return corrected(with_configured_transforms(sweep or patient().sweep), by)
+
+
+class OpenPatient(OpenPanel):
+    """The panel with a simulated patient."""
+
+    frames, spacing = FRAMES, 2.0
+
+    def setUp(self):
+        super().setUp()
+        self.nodes = addPatient(frames=self.frames)
+        self.widget.initializeParameterNode()
+        self.parameters.spacing = self.spacing

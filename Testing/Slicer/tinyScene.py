@@ -12,7 +12,6 @@ import unittest
 import numpy as np
 import slicer
 import vtk
-from vtk.util import numpy_support
 
 FACE = 20.0
 """mm, y of the near face of the bone."""
@@ -33,16 +32,6 @@ def requireLivePackages() -> None:
 
     if missing := missingLivePackages():
         raise unittest.SkipTest(f"{', '.join(missing)} is not installed, and Slicer installs nothing in testing mode")
-
-
-def recordElsewhere(test) -> None:
-    """Have scans that name no file recorded into a folder that goes with this test, not where the user's are."""
-    folder, scene = tempfile.TemporaryDirectory(ignore_cleanup_errors=True), slicer.mrmlScene
-    test.addCleanup(folder.cleanup)
-    test.addCleanup(scene.SetRootDirectory, scene.GetRootDirectory())
-    scene.SetRootDirectory(folder.name)
-    # The file of a scene that was saved or loaded before stays when the scene is closed, and its folder comes first
-    scene.SetURL("")
 
 
 def saveAndOpenAgain(test, beside=False) -> None:
@@ -139,6 +128,27 @@ def ijkToRAS(volumeNode) -> np.ndarray:
     return slicer.util.arrayFromVTKMatrix(matrix)
 
 
+def boundsOf(node) -> np.ndarray:
+    """(3, 2) least and most RAS of a node."""
+    bounds = np.zeros(6)
+    node.GetRASBounds(bounds)
+    return bounds.reshape(3, 2)
+
+
+def nodeIDs() -> list:
+    """Of every node of the scene."""
+    nodes = slicer.mrmlScene.GetNodes()
+    return sorted(nodes.GetItemAsObject(index).GetID() for index in range(nodes.GetNumberOfItems()))
+
+
+def write(node, path) -> None:
+    """A volume, segmentation or transform into a file."""
+    kinds = {"vtkMRMLScalarVolumeNode": "NRRD", "vtkMRMLSegmentationNode": "Segmentation", "vtkMRMLLinearTransformNode": "Transform"}
+    storage = getattr(slicer, f"vtkMRML{kinds[node.GetClassName()]}StorageNode")()
+    storage.SetFileName(str(path))
+    assert storage.WriteData(node), path
+
+
 def scaleOf(sliceNode) -> float:
     """mm per pixel of a slice view; the width of its field of view says less, for the view fits that to its widget."""
     return sliceNode.GetFieldOfView()[1] / sliceNode.GetDimensions()[1]
@@ -189,12 +199,15 @@ def putSweepUnder(browser, transformNode) -> None:
             top.SetAndObserveTransformNodeID(transformNode.GetID())
 
 
+def warp(browser):
+    """Puts a sweep's image under a transform that warps; the transform of its poses."""
+    above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTransformNode", "Warp")
+    makeWarping(above)
+    pose = browser.GetProxyNode(browser.GetMasterSequenceNode()).GetParentTransformNode()
+    pose.SetAndObserveTransformNodeID(above.GetID())
+    return pose
+
+
 def makeWarping(transformNode) -> None:
     """Gives a transform node something that is not linear."""
-    grid = slicer.vtkOrientedGridTransform()
-    image = vtk.vtkImageData()
-    image.SetDimensions(3, 3, 3)
-    image.AllocateScalars(vtk.VTK_DOUBLE, 3)
-    numpy_support.vtk_to_numpy(image.GetPointData().GetScalars())[:] = np.arange(81).reshape(27, 3)
-    grid.SetDisplacementGridData(image)
-    transformNode.SetAndObserveTransformToParent(grid)
+    transformNode.SetAndObserveTransformToParent(vtk.vtkThinPlateSplineTransform())

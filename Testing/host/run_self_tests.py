@@ -51,6 +51,7 @@ def collect(host, module: Path, folder: Path) -> list[unittest.TestCase]:
     host.start(module)
     python = sys.modules[module.stem]
     cases = list(all_cases(loader.loadTestsFromTestCase(getattr(python, f"{module.stem}Test"))))
+    sys.path.insert(0, str(folder))
     for path in sorted(folder.glob("*Test.py")) if folder.is_dir() else []:
         cases += all_cases(loader.loadTestsFromModule(load(path)))
     return cases

@@ -99,7 +99,7 @@ def test_nothing_stays_empty_between_frames_that_lie_close():
 def test_the_number_that_is_said_gives_the_same_voxels():
     poses = frames_at(*np.arange(0.0, 40.0, 2.6))
     chosen = reconstruction(poses)
-    assert f"up to {chosen.hole_limit:g} mm, chosen" in chosen.notes[-1]
+    assert f"up to {chosen.hole_limit:g} mm." in chosen.notes[-1]
     again = reconstruction(poses, hole_limit=chosen.hole_limit)
     np.testing.assert_array_equal(chosen.mask.array, again.mask.array)
 
