@@ -111,7 +111,8 @@ class OpenPanel(unittest.TestCase):
 
     def pressAnd(self, button, owner, work: str, fraction: float, act, step=""):
         """Press a button, and do something else, once, as soon as `work` of its owner has come so far, in a step of that name."""
-        do, done = getattr(owner, work), []
+        do = getattr(owner, work)
+        done: list = []
 
         def disturbed(*given, **named):
             bound = inspect.signature(do).bind(*given, **named)
