@@ -152,7 +152,6 @@ def test_simpleitk_puts_every_voxel_where_the_volume_has_it_and_gives_it_back(po
         (sitk.Image([4, 4, 4], sitk.sitkVectorUInt8, 3), "one real number a voxel"),
         (sitk.Image([4, 4, 4], sitk.sitkComplexFloat32), "one real number a voxel"),
     ],
-    ids=str,
 )
 def test_an_image_that_is_no_scalar_volume_is_refused(image, words):
     with pytest.raises(GeometryError, match=words):

@@ -86,9 +86,7 @@ METAIMAGES = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("write", "changes"), [*((nrrd, changes) for changes in NRRDS), *((metaimage, changes) for changes in METAIMAGES)], ids=str
-)
+@pytest.mark.parametrize(("write", "changes"), [*((nrrd, changes) for changes in NRRDS), *((metaimage, changes) for changes in METAIMAGES)])
 def test_a_volume_is_read_as_simpleitk_reads_it(tmp_path, write, changes):
     payload = gzip.compress(DATA, mtime=0) if "encoding" in changes else zlib.compress(DATA) if "CompressedData" in changes else DATA
     path = write(tmp_path / ("ct.nrrd" if write is nrrd else "ct.mha"), payload, **changes)
