@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Floats, Matrix
-from ..effective_settings import takes_out_motion
 from ..evaluation.quantities import BoneMetrics
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
@@ -96,6 +95,7 @@ def calibration_of_sweep(
 
 def motion_of_sweep(job: ReconstructionJob, motion: PatientMotion | None, progress: Progress | None = None) -> Verdict:
     """Whether the patient moved in the sweep of a job, by its CT where it has one."""
+    from ..effective_settings import takes_out_motion
     from ..workflows.reconstruct import without_motion
 
     if motion is not None:
@@ -150,6 +150,7 @@ def guidance_in_sweep(
     progress: Progress | None = None,
 ) -> GuidanceSnapshot:
     """What is shown of what `guidance_of_sweep` tells."""
+    from ..effective_settings import takes_out_motion
     from ..guidance.guidance import guidance_of_sweep
     from ..registration.labeled_bone import LabeledBone
     from ..workflows.reconstruct import mended

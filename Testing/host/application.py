@@ -30,6 +30,21 @@ class qSlicerModuleManager(QtCore.QObject):
         return self.loaded.get(name)
 
 
+class qSlicerCommandOptions(QtCore.QObject):
+    """What was asked for when the application was started: nothing. `slicer.util.exit` writes into it."""
+
+    api: dict = {}
+
+    def __init__(self):
+        super().__init__()
+        self._run_python_and_exit = False
+
+    def _set(self, value):
+        self._run_python_and_exit = value
+
+    runPythonAndExit = Property(bool, lambda self: self._run_python_and_exit, _set)
+
+
 class qSlicerApplication(QtWidgets.QApplication):
     """The application.
 
@@ -43,7 +58,7 @@ class qSlicerApplication(QtWidgets.QApplication):
 
     api = {
         "methods": (
-            *("applicationLogic", "moduleManager", "layoutManager"),
+            *("applicationLogic", "commandOptions", "moduleManager", "layoutManager"),
             *("settings", "userSettings", "testingEnabled", "pauseRender", "resumeRender"),
         ),
         "signals": {"startupCompleted()": "startupCompleted", "renderPaused(bool)": "renderPaused"},
@@ -64,6 +79,7 @@ class qSlicerApplication(QtWidgets.QApplication):
         self._mrml = None
         self._settings = QtCore.QSettings()
         self._manager = qSlicerModuleManager()
+        self._options = qSlicerCommandOptions()
 
     def start(self, mrml):
         self._mrml = mrml
@@ -79,6 +95,9 @@ class qSlicerApplication(QtWidgets.QApplication):
 
     def layoutManager(self):
         return self._layout_manager
+
+    def commandOptions(self):
+        return self._options
 
     def settings(self):
         return self._settings
