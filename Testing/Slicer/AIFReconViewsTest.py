@@ -34,6 +34,9 @@ class AIFReconViewsTest(OpenPanel):
         self.assertFalse(view.GetAxisLabelsVisible())
         slicer.mrmlScene.Clear()
         self.assertTrue(view.GetAxisLabelsVisible())
+        # A scan has no sweep, but its volume lies in a tracker's axes too
+        self.parameters.output = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "Live average")
+        self.assertFalse(view.GetAxisLabelsVisible())
 
     def test_the_ct_is_in_the_slice_views_after_a_sweep_was_loaded(self):
         self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()

@@ -66,7 +66,8 @@ class SceneDisplay:
                 sliceDisplay.setOpacity(output, parameters.opacity)
             if self._changed("rendering", (output.GetID(), parameters.volumeRendering)):
                 sliceDisplay.showVolumeRendering(output, parameters.volumeRendering)
-        isOfPatient = parameters.sweep is None or parameters.ctVolume is not None or parameters.bone is not None
+        isEmpty = parameters.sweep is None and output is None
+        isOfPatient = isEmpty or parameters.ctVolume is not None or parameters.bone is not None
         # Where nothing has to be hidden they are as the user wants them
         if self._drawn.setdefault("letters", True) != isOfPatient:
             self._drawn["letters"] = isOfPatient

@@ -1,6 +1,7 @@
 """What the 3D views show: the surface of bone, and all that appears in their middle."""
 
 import contextlib
+import textwrap
 
 import numpy as np
 import slicer
@@ -13,6 +14,9 @@ UPPER_LEFT = 2
 
 LETTERS = 30
 """Points: to be read from two meters."""
+
+COLUMNS = 24
+"""Letters in a line at most: more are cut off at the edge of a view in a window of 1400 pixels."""
 
 LINE, GROWTH = 0.15, 10.0
 """Part of a view's height that a line may take, and how letters grow with the view: by Slicer's own 0.07 and VTK's 5 they stay small."""
@@ -74,10 +78,11 @@ def lookAlong(direction, up, model) -> None:
 
 def say(text: str) -> None:
     """Show a text in the upper left corner of every 3D view, in large letters; an empty one takes it away."""
+    lines = textwrap.fill(text, COLUMNS)
     for view in _views():
         annotation = view.cornerAnnotation()
-        if annotation.GetText(UPPER_LEFT) != (text or None):
-            annotation.SetText(UPPER_LEFT, text)
+        if annotation.GetText(UPPER_LEFT) != (lines or None):
+            annotation.SetText(UPPER_LEFT, lines)
             annotation.SetMaximumFontSize(LETTERS)
             annotation.SetMaximumLineHeight(LINE)
             annotation.SetLinearFontScaleFactor(GROWTH)
