@@ -15,19 +15,11 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 METHODS = ("average", "latest", "maximum")
 REGION = ImageRegion(ClipRectangle((3, 2), (27, 20)))
-
-
-@pytest.fixture(params=["numpy", "numba"])
-def engine(request):
-    if request.param == "numba" and optional_module("AIFReconLib.compounding.compiled.numba_splat") is None:
-        pytest.skip("numba is not installed")
-    return request.param
 
 
 def loop(frames, grid, method, mask, interpolation="linear", importance=None):

@@ -255,20 +255,6 @@ def sweep() -> TrackedSequence:
 RECIPE = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))
 
 
-def test_guidance_of_a_sweep_without_labels(sweep):
-    found = guidance_of_sweep(sweep, recipe=RECIPE)
-    assert found.problem is None
-    known = found.coverage.met.bone.surface
-    on_plate = np.abs(known.points_reference[known.labels == 1][:, 1] - (-45.0 + 33.0))
-    assert np.median(on_plate) < 1.2
-    seen = found.seen()
-    assert seen.by_label == {}
-    assert seen.interspinous.reachable_cm2 == 0
-    assert 0 < seen.all.met < 1
-    assert seen.is_advised
-    assert len(seen.levels) == len(seen.mesh.points_reference)
-
-
 def test_the_command_coverage_without_labels(sweep, tmp_path, capsys):
     recorded, config, report, surface = (tmp_path / name for name in ("sweep.igs.mha", "config.xml", "no-ct.json", "no-ct.vtp"))
     write_sequence(sweep, recorded)

@@ -12,7 +12,6 @@ from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
-from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 FAN = Fan((100, 0), (-45, 45), (20, 150))
@@ -29,13 +28,6 @@ def reconstructed(frames, method="average", engine="auto", rejection=None, inter
     reconstructor = Reconstructor(turned_grid(), settings, sphere_bone() if method in BONE_METHODS else None, probe=probe, region=region)
     reconstructor.insert(frames)
     return reconstructor.finish()
-
-
-@pytest.fixture(params=["numpy", "numba"])
-def engine(request):
-    if request.param == "numba" and optional_module("numba") is None:
-        pytest.skip("numba is not installed")
-    return request.param
 
 
 @pytest.mark.parametrize(("method", "interpolation"), [("average", "nearest"), ("aif", "nearest"), ("average", "linear")])

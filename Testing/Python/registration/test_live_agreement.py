@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from idle_session import IdleSession
 from sweeps import rigid
 from waiting import until
 
@@ -126,24 +126,12 @@ def test_images_of_another_size_do_not_end_it(live, scan):
 # Beside a session
 
 
-class Session:
-    """What a watch asks of a session: the newest frame, and when to work."""
-
-    latest = None
-
-    def __init__(self, imaging):
-        self.imaging, self.pool = lambda: imaging, ThreadPoolExecutor()
-
-    def wait_for_rest(self, timeout):
-        time.sleep(0.001)
-        return True
-
-
 @pytest.fixture
 def watching(scan, monkeypatch):
     """A session and its watch, which looks without a rest."""
     monkeypatch.setattr("AIFReconLib.live.session.agreement_watch.PERIOD", 0.001)
-    session = Session(scan.imaging)
+    session = IdleSession()
+    session.imaging = lambda: scan.imaging
     watch = AgreementWatch(session, scan.bone, scan.place)
     yield session, watch
     watch.stop()

@@ -1,5 +1,3 @@
-import xml.etree.ElementTree as ElementTree
-
 import numpy as np
 import pytest
 from scipy import ndimage
@@ -15,7 +13,6 @@ from AIFReconLib.simulation.scan import (
     contact_pose,
     freehand_sweep,
     multi_angle_sweep,
-    plus_configuration_xml,
     random_rigid,
     simulate_sweep,
     single_angle_sweep,
@@ -122,25 +119,6 @@ def test_a_random_motion_moves_its_point_and_turns_by_exactly_that_much():
     motion = random_rigid(2.0, 5.0, np.random.default_rng(7), about=point)
     assert np.linalg.norm(transform_points(motion, point) - point) == pytest.approx(2.0)
     assert np.rad2deg(np.arccos((np.trace(motion[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
-
-
-def test_configuration_holds_calibration_apex_and_fan():
-    root = ElementTree.fromstring(plus_configuration_xml(PROBE))
-    transform, scan, fan = (root.find(path) for path in ("CoordinateDefinitions/Transform", "ScanConversion", "VolumeReconstruction"))
-
-    def numbers(element, name):
-        return [float(word) for word in element.get(name).split()]
-
-    assert (transform.get("From"), transform.get("To")) == ("Image", "Probe")
-    assert numbers(transform, "Matrix") == pytest.approx(PROBE.image_to_probe.ravel(), abs=1e-6)
-    # Plus measures from the transducer's center, which lies a radius below the apex
-    (column, row), (_, spacing), (start,) = (
-        numbers(scan, name) for name in ("TransducerCenterPixel", "OutputImageSpacingMmPerPixel", "RadiusStartMm")
-    )
-    assert (column, row - start / spacing) == pytest.approx(PROBE.apex_px)
-    assert numbers(fan, "FanOriginPixel") == pytest.approx(PROBE.fan.apex_px)
-    assert numbers(fan, "FanRadiusStopPixel") == pytest.approx([PROBE.fan.radii[1]])
-    assert numbers(fan, "FanAnglesDeg") == pytest.approx(PROBE.fan.angles_deg)
 
 
 @pytest.mark.parametrize(
