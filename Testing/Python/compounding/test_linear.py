@@ -93,17 +93,6 @@ def test_an_importance_mask_weights_the_average_as_the_loop_does(interpolation, 
     np.testing.assert_allclose(result.intensity.array, expected, rtol=1e-5, atol=1e-5)
 
 
-@pytest.mark.parametrize("axes", itertools.permutations(range(3)))
-def test_pixels_enter_the_voxels_on_both_sides_of_a_slab_s_edge(axes, engine):
-    pose = np.eye(4)
-    pose[:3, 3] = 0.5, 0.5, 3.25
-    pose[:3] = pose[list(axes)]
-    frames = [TrackedFrame(np.full((30, 30), 10 * n, np.uint8), pose, number=n) for n in range(1, 4)]
-    result = reconstructed(frames, VoxelGrid.from_spacing((0, 0, 0), (33, 33, 33), 1.0), "average", engine, region=None)
-    assert result.hits.array.sum() == 3 * 900 * 8
-    np.testing.assert_allclose(result.intensity.array, 20.0 * result.mask.array, rtol=1e-6)
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_the_size_of_the_parts_makes_no_difference(method, monkeypatch, engine):
     frames, grid = oblique_frames(seed=3, count=2), turned_grid()

@@ -60,11 +60,9 @@ def shaft(place=PLACES[0], tilts_deg=(-15.0, 0.0, 15.0)) -> SweepEchoes:
     return SweepEchoes.joined(parts)
 
 
-def above(place=PLACES[0], x=0.0, z=0.0, turn_deg=0.0) -> np.ndarray:
+def above(place=PLACES[0], x=0.0, z=0.0) -> np.ndarray:
     """image_to_reference of an image that looks along +y at the shaft, (4, 4)."""
-    pose = np.eye(4)
-    turn = rigid((0.0, turn_deg, 0.0))[:3, :3]
-    pose[:3, :3] = turn @ np.diag([*IMAGES.spacing, 0.2])
+    pose = np.diag([*IMAGES.spacing, 0.2, 1.0])
     column, row = IMAGES.face_px
     pose[:3, 3] = np.array([x, -45.0, z]) - pose[:3, :2] @ (column, row)
     return place @ pose

@@ -3,8 +3,9 @@ import pytest
 from scipy import ndimage
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
-from AIFReconLib.geometry.transform_graph import TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.geometry.transforms import invert, transform_points, why_not_rigid
+from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import (
@@ -13,6 +14,7 @@ from AIFReconLib.simulation.scan import (
     contact_pose,
     freehand_sweep,
     multi_angle_sweep,
+    plus_configuration_xml,
     random_rigid,
     simulate_sweep,
     single_angle_sweep,
@@ -119,6 +121,15 @@ def test_a_random_motion_moves_its_point_and_turns_by_exactly_that_much():
     motion = random_rigid(2.0, 5.0, np.random.default_rng(7), about=point)
     assert np.linalg.norm(transform_points(motion, point) - point) == pytest.approx(2.0)
     assert np.rad2deg(np.arccos((np.trace(motion[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
+
+
+def test_the_configuration_is_read_as_the_probe_is(tmp_path):
+    (tmp_path / "plus.xml").write_text(plus_configuration_xml(PROBE))
+    read = read_plus_configuration(tmp_path / "plus.xml")
+    assert read.transforms[TransformName("Image", "Probe")].matrix == pytest.approx(PROBE.image_to_probe, abs=1e-6)
+    assert (read.probe.kind, read.probe.apex_px) == (PROBE.geometry.kind, pytest.approx(PROBE.apex_px))
+    for name in ("apex_px", "angles_deg", "radii"):
+        assert getattr(read.region.fan, name) == pytest.approx(getattr(PROBE.fan, name))
 
 
 @pytest.mark.parametrize(
