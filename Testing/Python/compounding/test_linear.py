@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from sweeps import oblique_frames, sphere_bone, turned_grid
+from sweeps import compounded, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding import splat_engine
 from AIFReconLib.compounding.reconstructor import Reconstructor
@@ -58,13 +58,8 @@ def loop(frames, grid, method, mask, interpolation="linear", importance=None):
     return value, hits
 
 
-def reconstructed(frames, grid, method, engine="auto", region=REGION, importance=None, interpolation="linear", **settings):
-    settings = ReconstructionSettings(
-        hole_limit=0.0, method=method, interpolation=interpolation, engine=engine, output_type="float32", **settings
-    )
-    reconstructor = Reconstructor(grid, settings, region=region, importance=importance)
-    reconstructor.insert(frames)
-    return reconstructor.finish()
+def reconstructed(frames, grid, method, engine="auto", region=REGION, importance=None, interpolation="linear"):
+    return compounded(frames, grid, None, None, region, importance, method=method, engine=engine, interpolation=interpolation)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from files import calibrated, tracked_sequence
-from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
+from sweeps import compounded, image_pose, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
@@ -32,10 +32,8 @@ def place_of(pixel, probe, region, **settings):
     image = np.zeros((120, 100), np.uint8)
     image[pixel[1], pixel[0]] = 200
     grid = VoxelGrid.from_spacing((-5, -5, 0), (601, 801, 1), (0.05, 0.05, 1.0))
-    reconstructor = Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method="maximum", **settings), probe=probe, region=region)
-    reconstructor.insert(TrackedFrame(image, image_pose(SPACING)))
-    array = reconstructor.finish().intensity.array[0]
-    row, column = np.argwhere(array == 200).mean(axis=0)
+    made = compounded([TrackedFrame(image, image_pose(SPACING))], grid, None, probe, region, method="maximum", **settings)
+    row, column = np.argwhere(made.intensity.array[0] == 200).mean(axis=0)
     return column * 0.05 - 5, row * 0.05 - 5
 
 
@@ -66,10 +64,7 @@ def test_a_sector_shows_depth_below_its_transducer_along_radii():
 
 
 def volumes(method, frames, bone=None, **settings):
-    settings = ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32", intensity_maximum=255, **settings)
-    reconstructor = Reconstructor(turned_grid(), settings, bone, probe=LINEAR)
-    reconstructor.insert(frames)
-    return reconstructor.finish()
+    return compounded(frames, None, bone, LINEAR, method=method, intensity_maximum=255, **settings)
 
 
 @pytest.mark.parametrize("method", [m for m in METHODS if m != "weighted"])
