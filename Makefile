@@ -109,7 +109,7 @@ format: setup
 	@$(BIN)/python -m ruff format --quiet .
 
 # Full runs of bench, study and real-bone renew docs/measured and the pages. More or less of it: make bench BENCH="--quick". Others: BENCH=live, a session; BENCH=spine, 5,000 frames from file to file, which takes 3 GB
-# of disk, 11 of memory and minutes; BENCH=growth; BENCH=limits
+# of disk, 11 of memory and minutes
 bench: setup
 	@$(BIN)/python Testing/benchmark $(or $(BENCH),--pages)
 	@$(if $(BENCH),,$(BIN)/python Testing/benchmark commands --pages)

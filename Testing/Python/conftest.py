@@ -58,6 +58,14 @@ def real_data(data_dir: Path) -> Callable[[str], Path]:
     return find
 
 
+@pytest.fixture(params=["numpy", "numba"])
+def engine(request) -> str:
+    """Each of both; without numba a test of that one is skipped."""
+    if request.param == "numba":
+        pytest.importorskip("numba", reason="numba is not installed")
+    return request.param
+
+
 @pytest.fixture
 def patient(tmp_path):
     folder = tmp_path / "inputs"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
+from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 COLUMNS, ROWS, SPACING = 40, 30, (0.4, 0.5)
@@ -74,6 +75,13 @@ def tracked_sequence(count=6, seed=0, statuses=None, images=None, matrices=None)
     if images is None:
         images = rng.integers(1, 256, (count, ROWS, COLUMNS), dtype=np.uint8)
     return TrackedSequence(images, records)
+
+
+def calibrated(sequence: TrackedSequence | None = None, **configuration) -> TrackedSequence:
+    """A sequence with its calibration, and with more of a configuration."""
+    transforms = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
+    known = PlusConfiguration(**{"path": Path("made-up.xml"), "transforms": transforms, **configuration})
+    return replace(sequence or tracked_sequence(), configuration=known)
 
 
 def write_configuration(path: Path, attributes: str = "", holes: str = "", spacing: str = "1 1 1") -> Path:

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import sweeps
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 
 def rigid(rotation_vector, translation) -> np.ndarray:
     """The pose (4, 4) that turns about a vector (radians) and then moves by `translation` (mm)."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = Rotation.from_rotvec(rotation_vector).as_matrix()
-    matrix[:3, 3] = translation
-    return matrix
+    return sweeps.rigid(np.degrees(rotation_vector), translation)
 
 
 def scaled(x: float, y: float, z: float) -> np.ndarray:

@@ -16,31 +16,8 @@ from AIFReconLib.sweep.frames import FrameRecord
 SIZE = 320, 240
 """Columns and rows."""
 
-PHANTOM = """<PlusConfiguration version="2.3">
-  <CoordinateDefinitions>
-    <Transform From="Phantom" To="Reference" Matrix="{place}" />
-  </CoordinateDefinitions>
-  <PhantomDefinition>
-    <Geometry>
-      <Pattern Type="NWire">
-        <Wire Name="a" EndPointFront="0 0 16" EndPointBack="0 30 16" />
-        <Wire Name="b" EndPointFront="22 0 16" EndPointBack="3 30 16" />
-        <Wire Name="c" EndPointFront="25 0 16" EndPointBack="25 30 16" />
-      </Pattern>
-      <Pattern Type="NWire">
-        <Wire Name="d" EndPointFront="0 0 8" EndPointBack="0 30 8" />
-        <Wire Name="e" EndPointFront="4 0 8" EndPointBack="23 30 8" />
-        <Wire Name="f" EndPointFront="28 0 8" EndPointBack="28 30 8" />
-      </Pattern>
-      <Pattern Type="NWire">
-        <Wire Name="g" EndPointFront="4 0 0" EndPointBack="4 30 0" />
-        <Wire Name="h" EndPointFront="25 0 0" EndPointBack="8 30 0" />
-        <Wire Name="i" EndPointFront="28 0 0" EndPointBack="28 30 0" />
-      </Pattern>
-    </Geometry>
-  </PhantomDefinition>
-</PlusConfiguration>
-"""
+PHANTOM = Path(__file__).with_name("phantoms") / "wires.xml"
+"""Three N's of wires; its place in Reference is to be filled in."""
 
 IMAGE_TO_PROBE = random_rigid(60.0, 100.0, np.random.default_rng(5), np.zeros(3)) @ np.diag([0.15, 0.12, 1.0, 1.0])
 """Pixels are a quarter wider than high."""
@@ -51,7 +28,7 @@ PLACE = random_rigid(40.0, 70.0, np.random.default_rng(6), np.zeros(3))
 
 def write_phantom(path: Path, place: np.ndarray | None = PLACE) -> Path:
     """The phantom's configuration; without its place where that is None."""
-    text = PHANTOM.format(place=" ".join(f"{value:.12g}" for value in (np.eye(4) if place is None else place).ravel()))
+    text = PHANTOM.read_text("utf-8").format(place=" ".join(f"{value:.12g}" for value in (np.eye(4) if place is None else place).ravel()))
     path.write_text(text if place is not None else text.replace('From="Phantom"', 'From="Stylus"'), encoding="utf-8")
     return path
 

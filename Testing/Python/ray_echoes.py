@@ -35,9 +35,7 @@ def spine_of_equal_levels() -> LumbarPhantom:
     return make_lumbar_phantom(EqualLevels(vertebrae=4, irregularity=0.0), spacing=1.0)
 
 
-def ray_echoes(
-    distance: Volume, pitch: float = 2.5, z_range=(-70.0, 70.0), depth: float = 70.0, noise: float = 0.0, seed: int = 0
-) -> SweepEchoes:
+def ray_echoes(distance: Volume, pitch: float = 2.5, z_range=(-70.0, 70.0), depth: float = 70.0, noise: float = 0.0) -> SweepEchoes:
     """Where rays from behind (along +y, and tilted) first meet bone.
 
     Parameters

@@ -6,7 +6,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame, TrackedSequence
 
 
@@ -48,6 +51,14 @@ def turned_grid(spacing=(0.9, 1.1, 1.3), size=(14, 15, 13), rotation_vector_deg=
     matrix = rigid(rotation_vector_deg) @ np.diag([*spacing, 1.0])
     matrix[:3, 3] = -matrix[:3, :3] @ (np.array(size) / 2)
     return VoxelGrid(size, matrix)
+
+
+def compounded(frames, grid=None, bone=None, probe=None, region=None, importance=None, **settings) -> Reconstruction:
+    """What frames put into a grid give: floating point, holes left as they are, unless told otherwise."""
+    wanted = ReconstructionSettings(**{"hole_limit": 0.0, "output_type": "float32", **settings})
+    reconstructor = Reconstructor(grid or turned_grid(), wanted, bone, probe=probe, region=region, importance=importance)
+    reconstructor.insert(frames)
+    return reconstructor.finish()
 
 
 def sphere_bone(radius=4.0, center=(0.5, -0.3, 0.8), sigma_mm=1.5) -> BoneMap:

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from files import IMAGE_TO_PROBE, tracked_sequence, write_configuration
+from files import calibrated, tracked_sequence, write_configuration
 from sweeps import sphere_bone
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.effective_settings import resolve_settings
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.holes.igsio_hole_filling import fill_holes_by_kind
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -22,20 +18,14 @@ from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.configuration import PlusConfiguration
 
-CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))
 BOX = {"spacing": (1.0, 1.5, 2.0), "origin": (-10.0, -5.0, -20.0), "extent": (0, 19, 0, 9, 0, 14)}
 
 
-def configuration(**values) -> PlusConfiguration:
-    return PlusConfiguration(**{"path": Path("made-up.xml"), "transforms": CALIBRATION, "region": FULL, **values})
-
-
 def sweep(**values):
     """A recording with such a configuration."""
-    return replace(tracked_sequence(), configuration=configuration(**values))
+    return calibrated(**{"region": FULL, **values})
 
 
 LINEAR, NEAREST = {"interpolation": "linear"}, {"interpolation": "nearest"}
@@ -57,7 +47,7 @@ LINEAR, NEAREST = {"interpolation": "linear"}, {"interpolation": "nearest"}
     ],
 )
 def test_what_the_caller_asks_for_goes_before_what_is_configured(configured, asked, expected):
-    found = resolve_settings(ReconstructionSettings(**asked), configuration(**configured), False)
+    found = resolve_settings(ReconstructionSettings(**asked), sweep(**configured).configuration, False)
     assert {name: getattr(found, name) for name in expected} == expected
 
 

@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-
 import numpy as np
 import pytest
-from files import IMAGE_TO_PROBE, tracked_sequence, write_patient
+from files import calibrated, tracked_sequence, write_patient
 from sweeps import sphere_bone
 
 from AIFReconLib.errors import BeamGeometryError, NoUsableFramesError, OperationCanceled, SequenceFormatError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.message import advised
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.terminal.remedies import in_options
 
-CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))
 WHOLE = ReconstructionSettings(clip_px=(0, 0, 39, 29))
-
-
-def calibrated(sequence=None, **configuration):
-    """A sequence with its calibration and more of a configuration."""
-    known = {"path": Path("made-up.xml"), "transforms": CALIBRATION, **configuration}
-    return replace(sequence or tracked_sequence(), configuration=PlusConfiguration(**known))
 
 
 def rectangle_images(count=6):
@@ -72,13 +61,6 @@ def test_images_and_configurations_that_tell_no_beams_are_an_error_when_they_are
     told = {"scan_region": PART, "probe": ProbeGeometry("linear"), **scan} if scan else {}
     with pytest.raises(BeamGeometryError, match=said):
         reconstruct(calibrated(**told), ReconstructionSettings(spacing=1.0, method="aif"), sphere_bone())
-
-
-def test_frames_enter_in_order_of_time():
-    sequence = calibrated(region=FULL)
-    backward = replace(sequence, images=sequence.images[::-1], records=sequence.records[::-1])
-    settings = ReconstructionSettings(method="latest", spacing=1.5)
-    np.testing.assert_array_equal(reconstruct(sequence, settings).intensity.array, reconstruct(backward, settings).intensity.array)
 
 
 def test_skipping_past_every_tracked_frame_is_an_error():

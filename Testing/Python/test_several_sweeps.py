@@ -22,7 +22,6 @@ from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.inspection.summary import summary_lines
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.configuration import PlusConfiguration
@@ -30,8 +29,6 @@ from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.multi_sweep import joined
 from AIFReconLib.sweep.poses import sweep_poses
 
-HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None
-ENGINES = ["numpy", pytest.param("numba", marks=pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed"))]
 CONFIGURED = PlusConfiguration(
     path=Path("made-up.xml"),
     transforms={TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)},
@@ -73,7 +70,6 @@ ASKED = {
 }
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("asked", ASKED.values(), ids=ASKED)
 def test_several_sweeps_are_the_concatenated_one_to_the_last_bit(asked, engine):
     settings = ReconstructionSettings(engine=engine, output_type="float32", **asked)

@@ -1,7 +1,6 @@
 """Starts the benchmark, ``python Testing/benchmark``; a word behind it names another one.
 
-``commands``: of whole commands; ``live``: of a live session; ``spine``: of a large sweep, from file to file; ``growth``: how cost grows;
-``limits``: how far the kernels are from what the machine can do.
+``commands``: of whole commands; ``live``: of a live session; ``spine``: of a large sweep, from file to file.
 """
 
 import sys
@@ -10,7 +9,7 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[level]) for level in (1, 2)]
 
-OTHERS = ("commands", "live", "spine", "growth", "limits")
+OTHERS = ("commands", "live", "spine")
 
 if __name__ == "__main__":
     words = sys.argv[1:]

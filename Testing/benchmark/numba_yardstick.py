@@ -26,24 +26,6 @@ from AIFReconLib.sweep.frames import TrackedFrame
 ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)
 
 
-@njit(nogil=True, cache=True)
-def hit(voxels, pixels, value, hits):
-    """What the last pixel of a voxel cannot do without, nor an average: write pixels (n,), and count a hit, where `voxels` (n,) says."""
-    for n in range(voxels.size):
-        value[voxels[n]] = pixels[n]
-        hits[voxels[n]] += np.uint32(1)
-
-
-@njit(nogil=True, cache=True)
-def add_weighed(voxels, pixels, value, weight, hits):
-    """What a weighted mean cannot do without: three numbers of a voxel."""
-    for n in range(voxels.size):
-        voxel, pixel = voxels[n], np.float32(pixels[n])
-        value[voxel] += pixel
-        weight[voxel] += ONE
-        hits[voxel] += np.uint32(1)
-
-
 @njit(nogil=True, cache=True, inline="always")
 def voxel(matrix, row, column):
     """Where a pixel lies, (k, j, i); `matrix` is image_to_ijk."""

@@ -13,7 +13,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +31,7 @@ from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.machine.threads import optional_module, usable_cores
-from AIFReconLib.progress import Progress, report
+from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import TrackedFrame
@@ -44,6 +43,9 @@ from .table import BenchmarkResult, Timing
 
 NUMPY_SHARE = 8
 """The numpy engine gets every 8th frame of the sweep, so that it does not take most of the time."""
+
+SPACING = 0.5
+"""mm. Of voxels."""
 
 VOXELS = 10_000_000
 """For hole filling and bone maps."""
@@ -66,7 +68,7 @@ Job = tuple[Callable[[], object], Timing, int]
 def benchmark(
     frames: int = 120,
     repeats: int = 5,
-    spacings: tuple[float, ...] = (0.5, 0.3),
+    spacing: float = SPACING,
     *,
     voxels: int = VOXELS,
     data: Path | None = None,
@@ -79,7 +81,7 @@ def benchmark(
     frames : int
         Frames per repeat.
     repeats : int
-    spacings : tuple of float, mm
+    spacing : float, mm
     voxels : int
         Size of the volumes whose holes are filled and bone mapped; 0 leaves these and files out.
     data : Path or None
@@ -91,33 +93,28 @@ def benchmark(
     Everything is timed once per round, one after the other, so that a machine that slows down for a while slows down all.
     """
     timings: list[Timing] = []
-    sweeps = [(_reconstruction_jobs, spacing) for spacing in spacings] + [(_turned_jobs, spacings[0])]
-    for number, (jobs, spacing) in enumerate(sweeps):
-        tell = partial(_report_share, progress, 0.7 * number / len(sweeps), 0.7 / len(sweeps))
-        timings += _measured(jobs(frames, spacing), repeats, tell)
-    busy = busy_share()
-    if voxels:
-        report(progress, 0.7, "Holes and bone")
-        timings += _measured(_volume_jobs(voxels), repeats, lambda f: report(progress, 0.7 + 0.2 * f, "Holes and bone"))
-        with tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
-            timings += _measured(_file_jobs(Path(folder)), repeats, lambda f: report(progress, 0.9 + 0.05 * f, "Reading files"))
-    if data is not None:
-        timings += _measured(_recording_jobs(data), repeats, lambda f: report(progress, 0.95 + 0.05 * f, "Real recordings"))
+    with tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
+        stages: list[tuple[str, Callable[[], list[Job]]]] = [
+            ("Along the grid", lambda: _reconstruction_jobs(frames, spacing)),
+            ("Across the grid", lambda: _turned_jobs(frames, spacing)),
+        ]
+        if voxels:
+            stages += [("Holes and bone", lambda: _volume_jobs(voxels)), ("Reading files", lambda: _file_jobs(Path(folder)))]
+        if data is not None:
+            stages.append(("Real recordings", lambda: _recording_jobs(data)))
+        for number, (name, jobs) in enumerate(stages):
+            timings += _measured(jobs(), repeats, part(progress, number / len(stages), (number + 1) / len(stages)), name)
     report(progress, 1.0, "Done")
-    return BenchmarkResult(machine(), __version__, frames, repeats, busy, tuple(timings))
+    return BenchmarkResult(machine(), __version__, frames, repeats, busy_share(), tuple(timings))
 
 
-def _report_share(progress: Progress | None, start: float, length: float, fraction: float) -> None:
-    report(progress, start + length * fraction, "Reconstructing")
-
-
-def _measured(jobs: list[Job], repeats: int, tell: Callable[[float], None]) -> list[Timing]:
+def _measured(jobs: list[Job], repeats: int, progress: Progress | None, name: str) -> list[Timing]:
     """The jobs' rows with their medians; each is done once before, which prepares tables and compiles."""
     for work, _, _ in jobs:
         work()
     seconds: list[list[float]] = [[] for _ in jobs]
     for turn in range(repeats):
-        tell(turn / repeats)
+        report(progress, turn / repeats, name)
         for (work, _, _), taken in zip(jobs, seconds, strict=True):
             started = time.perf_counter()
             work()
@@ -143,12 +140,12 @@ def _reconstruction_jobs(frames: int, spacing: float) -> list[Job]:
     """The yardsticks, then every method with every engine, on a sweep along the grid."""
     sweep = fan_sweep(frames, COLUMNS, ROWS)
     grid, bone = around(sweep, spacing)
-    jobs = _yardstick_jobs(METHODS, sweep, grid, bone, spacing)
+    jobs = _yardstick_jobs(METHODS, sweep, grid, bone)
     few = sweep[::NUMPY_SHARE]
     for method, linear in [*((method, False) for method in METHODS), ("average", True)]:
-        jobs.append(_method_job(method, "numpy", 1, few, grid, bone, spacing, linear=linear))
+        jobs.append(_method_job(method, "numpy", 1, few, grid, bone, linear))
         for threads in _numba_threads():
-            jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, spacing, linear=linear))
+            jobs.append(_method_job(method, "numba", threads, sweep, grid, bone, linear))
     return jobs
 
 
@@ -156,9 +153,9 @@ def _turned_jobs(frames: int, spacing: float) -> list[Job]:
     """The same of some methods, with numba on all of its threads, on a sweep across the grid."""
     sweep = turned(fan_sweep(frames, COLUMNS, ROWS), TURN_DEG)
     grid, bone = around(sweep, spacing)
-    jobs = _yardstick_jobs(TURNED_METHODS, sweep, grid, bone, spacing)
+    jobs = _yardstick_jobs(TURNED_METHODS, sweep, grid, bone)
     for threads in _numba_threads()[-1:]:
-        jobs += [_method_job(method, "numba", threads, sweep, grid, bone, spacing) for method in TURNED_METHODS]
+        jobs += [_method_job(method, "numba", threads, sweep, grid, bone) for method in TURNED_METHODS]
     return [(work, replace(row, what=f"{row.what}, turned {TURN_DEG:g} degrees"), count) for work, row, count in jobs]
 
 
@@ -174,16 +171,16 @@ def _numba_threads() -> list[int]:
     return sorted({1, min(2, usable_cores())}) if optional_module("benchmark.numba_yardstick") else []
 
 
-def _yardstick_jobs(methods: tuple[str, ...], sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float) -> list[Job]:
+def _yardstick_jobs(methods: tuple[str, ...], sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap) -> list[Job]:
     loops = optional_module("benchmark.numba_yardstick")
     if loops is None:
         return []
     works = loops.yardsticks(sweep, grid, bone, PROBE)
-    return [(works[method], Timing(method, "yardstick", 1, spacing, 0.0), len(sweep)) for method in methods]
+    return [(works[method], Timing(method, "yardstick", 1, 0.0), len(sweep)) for method in methods]
 
 
 def _method_job(
-    method: str, engine: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, spacing: float, linear: bool = False
+    method: str, engine: str, threads: int, sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, linear: bool = False
 ) -> Job:
     """Inserting a sweep into a volume that is there already, with its bone map."""
     settings = ReconstructionSettings(method=method, engine=engine, interpolation="linear" if linear else "nearest")
@@ -191,7 +188,7 @@ def _method_job(
     on_grid = bone_on_grid(method, settings)
     cost = bytes_per_voxel(method, on_grid, best_cosine=False, shares=linear, whole=True, beside=(), output=1)
     what = f"{method}, linear interpolation" if linear else method
-    return lambda: reconstructor.insert(sweep), Timing(what, engine, threads, spacing, 0.0, bytes_per_voxel=cost), len(sweep)
+    return lambda: reconstructor.insert(sweep), Timing(what, engine, threads, 0.0, bytes_per_voxel=cost), len(sweep)
 
 
 def _volume_jobs(voxels: int) -> list[Job]:
@@ -207,12 +204,12 @@ def _volume_jobs(voxels: int) -> list[Job]:
         return lambda: fill_holes(values.copy(), mask.copy(), np.full(3, 0.5), 1.0, engine=engine, threads=threads)
 
     million = f"{mask.size / 1e6:.0f} million voxels"
-    jobs: list[Job] = [(fill("numpy", 1), Timing(f"hole filling, reach 2, {million}", "numpy", 1, 0.5, 0.0), 0)]
+    jobs: list[Job] = [(fill("numpy", 1), Timing(f"hole filling, reach 2, {million}", "numpy", 1, 0.0), 0)]
     for threads in _numba_threads():
-        jobs.append((fill("numba", threads), Timing(f"hole filling, reach 2, {million}", "numba", threads, 0.5, 0.0), 0))
+        jobs.append((fill("numba", threads), Timing(f"hole filling, reach 2, {million}", "numba", threads, 0.0), 0))
     cores, sampler = usable_cores(), "scipy" if optional_module("AIFReconLib.bone.numba_map") is None else "numba"
-    jobs.append((lambda: BoneMap.from_labels(labels), Timing(f"bone map from labels, {million}", "scipy", cores, 0.5, 0.0), 0))
-    jobs.append((lambda: bone.on_grid(turned), Timing(f"bone map onto a grid, {million}", sampler, cores, 0.5, 0.0), 0))
+    jobs.append((lambda: BoneMap.from_labels(labels), Timing(f"bone map from labels, {million}", "scipy", cores, 0.0), 0))
+    jobs.append((lambda: bone.on_grid(turned), Timing(f"bone map onto a grid, {million}", sampler, cores, 0.0), 0))
     return jobs
 
 
@@ -229,7 +226,7 @@ def _file_jobs(folder: Path) -> list[Job]:
             for number in range(len(images)):
                 images[number]
 
-        jobs.append((read, Timing(f"reading, {name}", "file", 1, None, 0.0), FILE_FRAMES))
+        jobs.append((read, Timing(f"reading, {name}", "file", 1, 0.0), FILE_FRAMES))
     return jobs
 
 
@@ -245,7 +242,7 @@ def _recording_jobs(data: Path) -> list[Job]:
                 sequence = read_sequence(data / recording, config=data / configuration)
                 reconstruct(sequence, ReconstructionSettings(method="average", engine=engine))
 
-            jobs.append((work, Timing(f"file to volume, {recording}", engine, usable_cores(), None, 0.0), 0))
+            jobs.append((work, Timing(f"file to volume, {recording}", engine, usable_cores(), 0.0), 0))
     return jobs
 
 
@@ -254,20 +251,19 @@ def main(words: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python Testing/benchmark", description=__doc__.splitlines()[0])
     parser.add_argument("--frames", type=int, default=120, metavar="N", help="frames per repeat (default: %(default)s)")
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the median of this many is shown (default: %(default)s)")
-    parser.add_argument("--spacing", type=float, nargs="+", default=[0.5, 0.3], metavar="MM", help="voxel sizes to time (default: 0.5 0.3)")
-    parser.add_argument("--quick", action="store_true", help="only reconstruction, at the first voxel size, with a third of the frames")
+    parser.add_argument("--quick", action="store_true", help="only reconstruction, with a third of the frames")
     parser.add_argument("--data", type=Path, default=os.environ.get("AIFRECON_DATA_DIR"), metavar="DIR", help="time its recordings too")
     parser.add_argument("--pages", action="store_true", help="also renew docs/measured, and the pages that show it")
     arguments = parser.parse_args(words)
-    frames, spacings, data = arguments.frames, tuple(arguments.spacing), arguments.data
-    if frames < 2 or arguments.repeats < 1 or min(spacings) <= 0:
-        parser.error("a benchmark takes at least 2 frames, 1 repeat and positive voxel sizes")
+    frames, data = arguments.frames, arguments.data
+    if frames < 2 or arguments.repeats < 1:
+        parser.error("a benchmark takes at least 2 frames and 1 repeat")
     if arguments.quick and arguments.pages:
         parser.error("the pages are of whole runs: leave out --quick or --pages")
     if arguments.quick:
-        frames, spacings, data = max(frames // 3, 2), spacings[:1], None
+        frames, data = max(frames // 3, 2), None
     with ProgressBar() as progress:
-        result = benchmark(frames, arguments.repeats, spacings, voxels=0 if arguments.quick else VOXELS, data=data, progress=progress)
+        result = benchmark(frames, arguments.repeats, voxels=0 if arguments.quick else VOXELS, data=data, progress=progress)
     print(result.text())
     if arguments.pages:
         keep(result.in_the_pages(), "make bench", result.machine.replace("\n", "; "))

@@ -1,4 +1,4 @@
-"""A spine from neck to sacrum, from the file of its sweep to that of its volume: time, peak memory and bytes read, by the memory given.
+"""A spine from neck to sacrum, from the file of its sweep to that of its volume: time and peak memory, by the memory given.
 
     python Testing/benchmark spine
     python Testing/benchmark spine --spacing 0.2 --memory 10
@@ -18,7 +18,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -39,9 +38,6 @@ SHIFTS = 97
 
 UNLIMITED = "free"
 """The memory of a run that may take three quarters of what is free, as where nobody says."""
-
-EVERY = 0.01
-"""s between looks at a process."""
 
 
 class Speckle:
@@ -94,50 +90,17 @@ def inputs(folder: Path, frames: int) -> tuple[Path, Path]:
     return sweep, labels
 
 
-@dataclass(frozen=True)
-class Taken:
-    """What a process took; NaN where the system does not tell (it does on Linux).
-
-    Parameters
-    ----------
-    seconds, processor_seconds : float
-    peak_gb : float
-        Most memory that was its own at a time.
-    read_gb : float
-        What it read from files, from the disk or from the system's cache.
-    """
-
-    seconds: float
-    processor_seconds: float
-    peak_gb: float
-    read_gb: float
-
-
-def taken_by(command: list[str]) -> Taken:
-    """Run a program to its end and watch it."""
-    found = {"VmHWM": float("nan"), "rchar": float("nan")}
-    before, begun = os.times(), time.perf_counter()
+def taken_by(command: list[str]) -> dict[str, float]:
+    """Run a program to its end: seconds by the clock and of the processor, and the most memory (GB) that it or a process of its took."""
+    begun = time.perf_counter()
     with tempfile.TemporaryFile() as said:
         process = subprocess.Popen(command, stdout=said, stderr=subprocess.STDOUT)
-        while process.poll() is None:
-            for name, file in (("VmHWM", "status"), ("rchar", "io")):
-                found[name] = _told(Path(f"/proc/{process.pid}/{file}"), name, found[name])
-            time.sleep(EVERY)
-        seconds, after = time.perf_counter() - begun, os.times()
+        _, status, usage = os.wait4(process.pid, 0)
+        seconds, process.returncode = time.perf_counter() - begun, os.waitstatus_to_exitcode(status)
         if process.returncode:
             said.seek(0)
             raise SystemExit(f"{' '.join(command)} failed:\n{said.read().decode('utf-8', 'replace')}")
-    processor = after.children_user + after.children_system - before.children_user - before.children_system
-    return Taken(seconds, processor, found["VmHWM"] * 1024 / 1e9, found["rchar"] / 1e9)
-
-
-def _told(path: Path, name: str, before: float) -> float:
-    """The number behind a name in a file of the system; as before where it is there no more."""
-    try:
-        number = re.search(rf"^{name}:\s*(\d+)", path.read_text("ascii", "replace"), re.MULTILINE)
-    except OSError:
-        return before
-    return float(number[1]) if number else before
+    return {"seconds": seconds, "processor_seconds": usage.ru_utime + usage.ru_stime, "peak_gb": usage.ru_maxrss * 1024 / 1e9}
 
 
 def checksum(path: Path) -> int:
@@ -162,7 +125,7 @@ def measure(folder: Path, frames: int, spacing: float, method: str, memory: str)
     found = taken_by(command)
     parts = re.search(r"worked in (\d+) parts", log.read_text("utf-8"))
     what = {"method": method, "spacing_mm": spacing, "frames": frames, "memory": memory, "parts": int(parts[1]) if parts else 1}
-    return {**what, **asdict(found), "checksum": checksum(output)}
+    return {**what, **found, "checksum": checksum(output)}
 
 
 def _memory(text: str) -> str:

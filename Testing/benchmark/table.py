@@ -14,7 +14,6 @@ class Timing:
     what: str
     engine: str
     threads: int
-    spacing_mm: float | None
     seconds: float
     ns_per_pixel: float | None = None
     frames_per_second: float | None = None
@@ -41,12 +40,11 @@ class BenchmarkResult:
         )
         return "\n".join(filter(None, (text, busy_warning(self.busy))))
 
-    def in_the_pages(self, spacing: float | None = None) -> dict[str, str]:
-        """Tables by the names of the files in docs/measured: methods at a voxel size, the first one by default, and the rest."""
+    def in_the_pages(self) -> dict[str, str]:
+        """Tables by the names of the files in docs/measured: methods, and the rest."""
         methods: dict[str, dict[tuple[str, bool], Timing]] = {}
-        spacing = spacing or self.spacings[0]
         for timing in self.timings:
-            if timing.ns_per_pixel is not None and timing.spacing_mm == spacing:
+            if timing.ns_per_pixel is not None:
                 methods.setdefault(timing.what, {})[timing.engine, timing.threads > 1] = timing
         lines = [
             "| | numpy, frames/s | numba, 1 thread | numba, all threads | ns a pixel | x plain loop | bytes a voxel |",
@@ -66,14 +64,8 @@ class BenchmarkResult:
         return {"speed-methods": "\n".join(lines), "speed-steps": "\n".join(steps)}
 
     def text(self) -> str:
-        """What was measured, and where; the methods at every voxel size, and the rest."""
-        methods = [f"Voxels of {spacing:g} mm\n{self.in_the_pages(spacing)['speed-methods']}" for spacing in self.spacings]
-        return "\n\n".join([self.heading(), *methods, self.in_the_pages()["speed-steps"]])
-
-    @property
-    def spacings(self) -> list[float]:
-        """mm. The voxel sizes that were timed."""
-        return [*dict.fromkeys(timing.spacing_mm for timing in self.timings if timing.spacing_mm and timing.ns_per_pixel is not None)]
+        """What was measured, and where."""
+        return "\n\n".join([self.heading(), *self.in_the_pages().values()])
 
 
 def _shown(value: float | None, form: str) -> str:

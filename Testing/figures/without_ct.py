@@ -11,7 +11,6 @@ import os
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from scipy import ndimage
@@ -27,6 +26,7 @@ from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
 from AIFReconLib.effective_settings import Imaging, imaging_fields
 from AIFReconLib.evaluation.figures import Panel, draw_panels, own_looks, save_figure
+from AIFReconLib.evaluation.lines import values_at
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
@@ -50,12 +50,6 @@ AROUND = 10.0
 """mm before and behind an echo that its profile shows."""
 
 
-def sample(volume: Volume, points_reference: np.ndarray, order: Literal[0, 1] = 1) -> np.ndarray:
-    """Values of a volume at points (..., 3) in Reference, NaN outside."""
-    ijk = points_reference @ volume.grid.reference_to_ijk[:3, :3].T + volume.grid.reference_to_ijk[:3, 3]
-    return ndimage.map_coordinates(volume.array.astype(np.float64), np.moveaxis(ijk[..., ::-1], -1, 0), order=order, cval=np.nan)
-
-
 def place(pose: np.ndarray, columns, rows) -> np.ndarray:
     """Points (..., 3) in Reference of pixels."""
     columns, rows = np.broadcast_arrays(columns, rows)
@@ -65,7 +59,7 @@ def place(pose: np.ndarray, columns, rows) -> np.ndarray:
 def profiles(volume: Volume, pose: np.ndarray, pixels: np.ndarray, spacing: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Intensity down the beam through each echo of a linear probe, (echoes, samples), and the samples' distance from it in mm."""
     offsets = np.arange(-AROUND, AROUND + 0.05, 0.1)
-    return sample(volume, place(pose, pixels[:, :1], pixels[:, 1:] + offsets / spacing[1])), offsets
+    return values_at(volume, place(pose, pixels[:, :1], pixels[:, 1:] + offsets / spacing[1]), np.nan), offsets
 
 
 def measure(values: np.ndarray, offsets: np.ndarray) -> tuple[float, float, float]:
@@ -128,10 +122,10 @@ def study(name: str) -> None:
     cuts = [("frame", in_plane, box)] + ([("along the sweep", along, (travel, box[1]))] if travel > 10 else [])
     rows = []
     for label, points, size in cuts:
-        row = [panel_of("bone from the sweep", np.nan_to_num(sample(bone.probability, points)), size, 1.0)]
+        row = [panel_of("bone from the sweep", values_at(bone.probability, points), size, 1.0)]
         for method, result in results.items():
-            seen = np.nan_to_num(sample(result.mask, points, order=0)) != 0
-            row.append(panel_of(method, np.where(seen, sample(result.intensity, points), np.nan), size))
+            seen = values_at(result.mask, points) >= 0.5
+            row.append(panel_of(method, np.where(seen, values_at(result.intensity, points), np.nan), size))
         rows.append([replace(row[0], side=label), *row[1:]])
     rows[0].append(panel_of("echoes of one frame", sequence.images[middle][top : bottom + 1, left : right + 1].astype(float), box))
     figure = draw_panels(rows, 1.5 / box[0], f"{file}, without a CT", "blue: not scanned")
@@ -159,7 +153,7 @@ def beside_a_ct() -> None:
         row = []
         for title, result in volumes.items():
             shown = result.mask.array != 0
-            solid = np.nan_to_num(sample(labels, grid_points(result.grid), order=0)) > 0
+            solid = values_at(replace(labels, array=(labels.array > 0).astype(np.uint8)), grid_points(result.grid)) > 0.5
             rim = solid & ~ndimage.binary_erosion(solid) & shown
             plane = int(np.argmax(rim.sum(axis=tuple(n for n in range(3) if n != axis))))
             picture = np.where(shown, result.intensity.array, np.nan).take(plane, axis)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -21,7 +20,7 @@ from AIFReconLib.calibration.crossing import calibrate_by_crossing
 from AIFReconLib.calibration.echoes import Correction, ImagedEchoes
 from AIFReconLib.calibration.solve import Solved
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -35,7 +34,6 @@ from AIFReconLib.simulation.scan import (
     recorded_poses,
     simulate_sweep,
 )
-from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.edits import inverted
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
@@ -43,7 +41,7 @@ from AIFReconLib.sweep.poses import sweep_poses
 from .calibration_halves import halves_on_bone
 from .command import Study
 from .lumbar_shapes import lumbar_shapes
-from .method_cases import EFFECTS
+from .method_cases import EFFECTS, configured
 from .patients import table_line
 from .real_bone_cases import RealBone
 
@@ -68,8 +66,6 @@ WITHIN_MM = 0.4, 0.8
 
 FAST_TISSUE = 1.03
 """Times the speed that the scanner takes."""
-
-IMAGE_TO_PROBE = TransformName("Image", "Probe")
 
 
 @dataclass(frozen=True)
@@ -130,9 +126,7 @@ class Patient:
         sweeps = []
         for wrong, matrix in ((errors, image_to_probe), (TrackingErrors(), None)):
             records = [one for one, kept in zip(recorded_poses(self.probe, self.path, wrong, self.seed), chosen, strict=True) if kept]
-            calibration = {IMAGE_TO_PROBE: TransformSample(self.probe.image_to_probe if matrix is None else matrix)}
-            configuration = PlusConfiguration(Path("simulated"), calibration, region=self.probe.region, probe=self.probe.geometry)
-            sweeps.append(TrackedSequence(images, records, configuration=configuration))
+            sweeps.append(configured(TrackedSequence(images, records), self.probe, matrix))
         return Case(sweeps[0], sweeps[1], errors.time_offset)
 
     def wrong_calibration(self, rng: np.random.Generator, scale: tuple[float, float] = (1.0, 1.0)) -> np.ndarray:
@@ -166,7 +160,8 @@ def patient_rows(seed: int) -> list[Row]:
     rows.append(_calibrated(patient, "the tracker drifts by 2 mm", patient.case(every, TrackingErrors(drift=2.0))))
     fast = Patient.scanned(seed, FAST_TISSUE)
     tissue = fast.case(every)
-    true = replace(tissue.true, configuration=_sized(tissue.true.configuration, FAST_TISSUE, FAST_TISSUE, patient.probe))
+    image_to_probe = patient.probe.image_to_probe @ _about_face(FAST_TISSUE, FAST_TISSUE, patient.probe)
+    true = configured(tissue.true, patient.probe, image_to_probe)
     rows.append(_calibrated(fast, f"tissue {FAST_TISSUE - 1:.0%} faster", replace(tissue, true=true)))
     for name, (case, told) in mistakes(patient, rng).items():
         for kind, labels in (("check", patient.labels), ("check without", None)):
@@ -217,11 +212,6 @@ def _about_face(across: float, along: float, probe: PhasedArray) -> np.ndarray:
     sized = np.diag([across, along, 1.0, 1.0])
     sized[:3, 3] = face - sized[:3, :3] @ face
     return sized
-
-
-def _sized(configuration: PlusConfiguration, across: float, along: float, probe: PhasedArray) -> PlusConfiguration:
-    matrix = probe.image_to_probe @ _about_face(across, along, probe)
-    return replace(configuration, transforms={IMAGE_TO_PROBE: TransformSample(matrix)})
 
 
 def _calibrated(patient: Patient, name: str, case: Case) -> Row:

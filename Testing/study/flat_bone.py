@@ -24,19 +24,23 @@ MUSCLE_DB, DEPTH = 18.0, 32.0
 
 @dataclass(frozen=True)
 class FlatBone:
-    """A plane of bone `DEPTH` mm below the face, turned in the image, in even tissue."""
+    """A flat bone `depth` mm below the face along +y, turned by `angle_deg` in the image or out of it ("elevational"), in even tissue."""
 
-    angle: float
+    depth: float = DEPTH
+    angle_deg: float = 0.0
+    axis: str = "in-plane"
+    tissue_db: float = MUSCLE_DB
 
     @property
     def bone_distance(self) -> Volume:
         grid = VoxelGrid.from_spacing((-70.0, -10.0, -30.0), (71, 61, 31), 2.0)
-        _, j, i = np.indices(grid.shape)
-        distance = -((2.0 * j - 10 - DEPTH) * np.cos(self.angle) + (2.0 * i - 70) * np.sin(self.angle))
+        k, j, i = 2.0 * np.indices(grid.shape)
+        side, angle = i - 70 if self.axis == "in-plane" else k - 30, np.radians(self.angle_deg)
+        distance = -((j - 10 - self.depth) * np.cos(angle) + side * np.sin(angle))
         return Volume(np.clip(distance, -6, 6).astype(np.float32), grid.ijk_to_reference)
 
     def scattering_db(self, points_reference: np.ndarray, beams_reference: np.ndarray) -> np.ndarray:
-        return np.full(points_reference.shape[:-1], MUSCLE_DB, dtype=np.float32)
+        return np.full(points_reference.shape[:-1], self.tissue_db, dtype=np.float32)
 
 
 def simulated_profiles(angle_deg: float, frames: int = 4) -> np.ndarray:
@@ -47,7 +51,7 @@ def simulated_profiles(angle_deg: float, frames: int = 4) -> np.ndarray:
     x, y = along - OFFSETS * np.sin(angle), DEPTH - along * np.tan(angle) - OFFSETS * np.cos(angle)
     pixels = [to_image[1, 1] * y + to_image[1, 3], to_image[0, 0] * x + to_image[0, 3]]
     pose, rng = probe.probe_to_reference(np.eye(4)), np.random.default_rng(1)
-    images = (simulate_frame(FlatBone(angle), probe, pose, rng, UltrasoundEffects()) for _ in range(frames))
+    images = (simulate_frame(FlatBone(angle_deg=angle_deg), probe, pose, rng, UltrasoundEffects()) for _ in range(frames))
     return np.concatenate([ndimage.map_coordinates(image.astype(float), pixels, order=1) for image in images])
 
 

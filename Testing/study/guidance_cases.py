@@ -56,7 +56,6 @@ class Row:
     reached_cm2: float
     cnr: float
     expected: float
-    below_45: float
     predicted: float = float("nan")
     predicted_of_reachable: float = float("nan")
 
@@ -186,5 +185,4 @@ class ScannedCase:
             metrics.bone.area / 100.0,
             metrics.bone.cnr,
             border.expected_visibility / border.met,
-            border.below_45_deg,
         )

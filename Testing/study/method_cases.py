@@ -58,6 +58,7 @@ SHIFTS = {"CT 3 mm off": 3.0, "CT 5 mm off": 5.0}
 
 LEVEL, OTHER, NOISE, ONE_ANGLE, NO_BONE = "CT one level off", "CT of another patient", "tracker noise", "one angle only", "no bone at all"
 NOISE_MM, NOISE_DEG = 0.5, 1.0
+IMAGE_TO_PROBE = TransformName("Image", "Probe")
 EFFECTS = UltrasoundEffects(clutter=True)
 """Shadows are gray, as real ones are."""
 
@@ -190,9 +191,9 @@ def scan_of(sequence: TrackedSequence, back: Back, probe: PhasedArray) -> Scan:
     return Scan(sequence, bone_truth(placed_labels(back), beams, distance=back.bone_distance))
 
 
-def configured(sequence: TrackedSequence, probe: PhasedArray) -> TrackedSequence:
-    """A simulated sweep with a configuration as a recording has one."""
-    calibration = {TransformName("Image", "Probe"): TransformSample(probe.image_to_probe)}
+def configured(sequence: TrackedSequence, probe: PhasedArray, image_to_probe: np.ndarray | None = None) -> TrackedSequence:
+    """A simulated sweep with a configuration as a recording has one; its calibration is the probe's where no other is given."""
+    calibration = {IMAGE_TO_PROBE: TransformSample(probe.image_to_probe if image_to_probe is None else image_to_probe)}
     return replace(sequence, configuration=PlusConfiguration(Path("simulated"), calibration, region=probe.region, probe=probe.geometry))
 
 

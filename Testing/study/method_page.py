@@ -41,30 +41,25 @@ COLUMNS = (
 
 RIGHT = "right CT"
 OF_WRONG = tuple(column for column in COLUMNS if column[1] in ("bone_cnr", "bone_coverage", "precision", "lines_called_free"))
-OF_NOTHING = tuple(column for column in COLUMNS if column[1] == "bone_coverage")
 
 
 def study_page(rows: list[Row]) -> str:
-    """All tables of the study as Markdown, medians with quartiles, of all patients."""
-    parts = [f"{MULTI_FRAMES} frames in nine passes, voxels of {SPACING:g} mm; medians, with quartiles in brackets."]
-    for kind in KINDS:
-        patients = len({row.seed for row in rows if row.kind == kind})
-        parts += [f"## {kind}, {patients} patients", "### Every method, the right CT", _of_methods(rows, kind, _quartiles)]
-        parts += ["### Wrong CTs, a shaking tracker, one angle", _of_wrong(rows, kind, _quartiles)]
-        parts += ["### No bone at all", _of_nothing(rows, kind, _quartiles)]
-    return "\n\n".join(parts) + "\n"
+    """The tables of the pages as Markdown, medians with quartiles."""
+    head = f"{MULTI_FRAMES} frames in nine passes, voxels of {SPACING:g} mm; medians, with quartiles in brackets."
+    return "\n\n".join([head, *(f"## {title}\n\n{table}" for title, table in _tables(rows, _quartiles).items())]) + "\n"
 
 
 def in_the_pages(rows: list[Row]) -> dict[str, str]:
     """What docs/study.md and the README show, by the names of the files in docs/measured."""
+    return {"study-proof": _proof(rows), **_tables(rows, _median)}
+
+
+def _tables(rows: list[Row], cell) -> dict[str, str]:
     return {
-        "study-proof": _proof(rows),
-        "study-methods": _of_methods(rows, SHAPES, _median),
-        "study-methods-phantom": _of_methods(rows, PHANTOM, _median),
-        "study-wrong-ct": _of_wrong(rows, SHAPES, _median),
-        "study-no-bone": "\n".join(
-            [*table_head(KINDS), *(table_line(method, (_of_none(rows, kind, method) for kind in KINDS)) for method in (PLAIN, PAPER, OURS))]
-        ),
+        "study-methods": _of_methods(rows, SHAPES, cell),
+        "study-methods-phantom": _of_methods(rows, PHANTOM, cell),
+        "study-wrong-ct": _of_wrong(rows, SHAPES, cell),
+        "study-no-bone": _of_nothing(rows, cell),
     }
 
 
@@ -86,12 +81,12 @@ def _of_wrong(rows: list[Row], kind: str, cell) -> str:
     return _table(rows, kind, lines, OF_WRONG, cell)
 
 
-def _of_nothing(rows: list[Row], kind: str, cell) -> str:
-    return _table(rows, kind, [(m, {"condition": NO_BONE, "method": m}) for m in (PLAIN, PAPER, OURS)], OF_NOTHING, cell)
-
-
-def _of_none(rows: list[Row], kind: str, method: str) -> str:
-    return _median(spread_of(rows, "bone_coverage", kind=kind, condition=NO_BONE, method=method), 100)
+def _of_nothing(rows: list[Row], cell) -> str:
+    lines = table_head(KINDS)
+    for method in (PLAIN, PAPER, OURS):
+        spreads = (spread_of(rows, "bone_coverage", kind=kind, condition=NO_BONE, method=method) for kind in KINDS)
+        lines.append(table_line(method, (cell(spread, 100) for spread in spreads)))
+    return "\n".join(lines)
 
 
 def _proof(rows: list[Row]) -> str:

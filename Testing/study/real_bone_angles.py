@@ -173,7 +173,7 @@ def shadow_rows(echoes: Echoes) -> list[dict[str, float]]:
 def _simulated_shadow(effects: UltrasoundEffects) -> list[float]:
     """Mean gray levels behind a simulated flat bone that is met squarely, in the middle of the image."""
     probe = PhasedArray()
-    image = simulate_frame(FlatBone(0.0), probe, probe.probe_to_reference(np.eye(4)), np.random.default_rng(1), effects)
+    image = simulate_frame(FlatBone(), probe, probe.probe_to_reference(np.eye(4)), np.random.default_rng(1), effects)
     to_image, middle, half = invert(probe.image_to_transducer), probe.columns // 2, round(8.0 / probe.pixel_spacing)
     rows = [[round(to_image[1, 1] * (DEPTH + mm) + to_image[1, 3]) for mm in stretch] for stretch in SHADOW]
     return [float(image[first:last, middle - half : middle + half].mean()) for first, last in rows]

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import ndimage
 
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import BONE_METHODS
-from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.evaluation.lines import values_at
 from AIFReconLib.geometry.volume import Volume
 
 from .method_figure import COLORS, new_figure, saved
@@ -109,9 +108,9 @@ def _cuts(bone: RealBone, volumes: dict[str, Volume]) -> Figure:
     for line, place in zip(axes, PLACES, strict=True):
         near = np.abs(along - np.quantile(along, place)) < 2.0
         middle = points[near].mean(axis=0) + 3.0 * down
-        outline = _sampled(bone.truth.distance, middle + plane, outside=1.0)
+        outline = values_at(bone.truth.distance, middle + plane, outside=1.0)
         for ax, volume in zip(line, volumes.values(), strict=True):
-            ax.imshow(_sampled(volume, middle + plane), cmap="gray", vmin=0, vmax=255, extent=(0, CUT, CUT, 0))
+            ax.imshow(values_at(volume, middle + plane), cmap="gray", vmin=0, vmax=255, extent=(0, CUT, CUT, 0))
             ax.contour(outline, [0.0], colors="#ff9a1f", linewidths=0.7, extent=(0, CUT, 0, CUT))
             ax.set_axis_off()
     axes[0, 0].plot([2, 12], [28, 28], color="white", linewidth=2)
@@ -141,9 +140,3 @@ def _curves(rows: list[Row]) -> Figure:
     handles, labels = covered.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(handles), frameon=False, fontsize=10)
     return figure
-
-
-def _sampled(volume: Volume, points: np.ndarray, outside: float = 0.0) -> np.ndarray:
-    ijk = transform_points(volume.grid.reference_to_ijk, points.reshape(-1, 3))
-    values = ndimage.map_coordinates(volume.array, ijk.T[::-1], output=np.float32, order=1, cval=outside)
-    return values.reshape(points.shape[:-1])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from scipy import ndimage
 
+from AIFReconLib.evaluation.lines import values_at
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.evaluation.visibility import BoneTruth
@@ -74,10 +74,7 @@ def precision(volume: Volume, truth: BoneTruth) -> dict[str, float]:
 def surface_response(volume: Volume, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """The brightest gray level within `ON_BONE` of each surface point along its normal, (n,)."""
     offsets = np.arange(-ON_BONE, ON_BONE + 0.01, 0.25)
-    places = points[:, None] + offsets[:, None] * normals[:, None]
-    ijk = transform_points(volume.grid.reference_to_ijk, places.reshape(-1, 3))
-    values = ndimage.map_coordinates(volume.array, ijk.T[::-1], output=np.float32, order=1)
-    return values.reshape(len(points), len(offsets)).max(axis=1)
+    return values_at(volume, points[:, None] + offsets[:, None] * normals[:, None]).max(axis=1)
 
 
 def false_bone(volume: Volume, truth: BoneTruth, ct_error: np.ndarray) -> dict[str, float]:
@@ -118,9 +115,9 @@ def by_incidence(volume: Volume, truth: BoneTruth, mask: Volume) -> dict[str, fl
     return numbers
 
 
-def restricted(truth: BoneTruth, points: np.ndarray, shadows: Volume | None = None) -> BoneTruth:
-    """A truth of some of its surface points only, (n,) bool; `shadows` where another scan is measured at them."""
+def restricted(truth: BoneTruth, points: np.ndarray) -> BoneTruth:
+    """A truth of some of its surface points only, (n,) bool."""
     surface = truth.surface
     part = BoneSurface(surface.points_reference[points], surface.normals_reference[points], surface.areas[points], surface.labels[points])
     best = None if truth.best_cosine is None else truth.best_cosine[points]
-    return BoneTruth(part, truth.distance, truth.border[points], best, shadows or truth.shadows)
+    return BoneTruth(part, truth.distance, truth.border[points], best, truth.shadows)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 from scipy import ndimage, sparse
@@ -17,9 +16,6 @@ from scipy.sparse.linalg import splu
 from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
-from AIFReconLib.imaging.scan_lines import _ScanLineSamples, scan_line_samples
-from AIFReconLib.simulation.phased_array import PhasedArray
 
 ALPHA, BETA, GAMMA = 2.0, 90.0, 0.05
 """Attenuation, steepness and penalty across the beams of the random walks, as their authors give them for B-mode images."""
@@ -83,16 +79,6 @@ def confidence_weighted(intensity):
 
 
 @register_method
-def confidence_weighted_sector(intensity):
-    """The same of the simulated phased array, whose images are read along their beams first."""
-    inside, lines = _simulated_beams()
-    along = ndimage.map_coordinates(intensity, [lines.rows.T, lines.columns.T], order=1, mode="nearest", output=np.float32)
-    weight = np.full(intensity.shape, LEAST, np.float32)
-    weight[inside] += _coarsely(along).T.reshape(-1)[lines.sample_of_pixel]
-    return weight, intensity
-
-
-@register_method
 def incidence_weighted(intensity, cosine):
     """The mean weighted by the cosine of incidence.
 
@@ -146,15 +132,3 @@ def _coarsely(lines: np.ndarray) -> np.ndarray:
     small = lines[: rows * COARSE, : columns * COARSE].reshape(rows, COARSE, columns, COARSE).mean(axis=(1, 3))
     at = np.meshgrid(*((np.arange(size) - (COARSE - 1) / 2) / COARSE for size in lines.shape), indexing="ij")
     return ndimage.map_coordinates(random_walk_confidence(small), at, order=1, mode="nearest", output=np.float32)
-
-
-@cache
-def _simulated_beams() -> tuple[np.ndarray, _ScanLineSamples]:
-    """Which pixels of the window of the simulated probe's images are ultrasound, and where its beams run in it."""
-    probe = PhasedArray()
-    rows, columns = np.nonzero(probe.region.mask(probe.columns, probe.rows))
-    rows, columns = rows - (top := rows.min()), columns - (left := columns.min())
-    inside = np.zeros((rows.max() + 1, columns.max() + 1), dtype=bool)
-    inside[rows, columns] = True
-    geometry = ProbeGeometry(SECTOR, (probe.apex_px[0] - left, probe.apex_px[1] - top))
-    return inside, scan_line_samples(columns, rows, (probe.pixel_spacing,) * 2, geometry)

@@ -10,24 +10,21 @@ from scipy.spatial.transform import Rotation
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.search import sweep_echoes
 from AIFReconLib.bone.field import BoneField
-from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import BoneMetrics
 from AIFReconLib.evaluation.surface import bone_surface, distance_from_labels
 from AIFReconLib.geometry.labels import centers_of_mass
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.registration.registration import Registration, register_echoes
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import freehand_sweep, multi_angle_sweep, random_rigid, simulate_sweep, single_angle_sweep
-from AIFReconLib.sweep.frames import TrackedSequence
 
-from .method_cases import HOLE_LIMIT, SPACING, simulated_scan
+from .method_cases import HOLE_LIMIT, SPACING, configured, simulated_scan
 
 FRAMES = 144
 
@@ -99,10 +96,7 @@ def _phantom(seed: int, **options) -> LumbarPhantom:
 
 def _echoes(phantom: LumbarPhantom, path, seed: int, **options) -> SweepEchoes:
     probe = PhasedArray()
-    sweep = simulate_sweep(phantom, probe, path, seed=seed, **options)
-    calibration = {TransformName("Image", "Probe"): TransformSample(probe.image_to_probe)}
-    calibrated = TrackedSequence(sweep.images, sweep.records, transforms=calibration)
-    return sweep_echoes(calibrated, Recipe(**imaging_fields(probe.region, probe.geometry)))
+    return sweep_echoes(configured(simulate_sweep(phantom, probe, path, seed=seed, **options), probe))
 
 
 def _volumes(case: _Case) -> list[Row]:

@@ -28,8 +28,3 @@ LOOKS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "depth gain +12 dB at the bottom": _depth_gain,
 }
 """From frames (n, rows, columns) uint8, black outside of the image, to the same as a scanner with that setting shows them."""
-
-
-def looks(frames: np.ndarray) -> dict[str, np.ndarray]:
-    """The frames under every look, by its name."""
-    return {name: look(frames) for name, look in LOOKS.items()}

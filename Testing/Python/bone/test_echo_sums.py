@@ -9,10 +9,9 @@ import pytest
 from seen_planes import bent
 
 from AIFReconLib.bone.echoes.found import SweepEchoes
-from AIFReconLib.bone.echoes.surface import EchoSurface, surface_of
+from AIFReconLib.bone.echoes.surface import surface_of
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
-from AIFReconLib.progress import carry_out
 
 
 def around(place, of, sigma):
@@ -96,30 +95,3 @@ def test_the_surface_is_that_of_loops_over_echoes():
 def test_of_no_echoes_there_is_no_surface():
     with pytest.raises(GeometryError, match="No frame shows an echo"):
         surface_of(SweepEchoes.joined([]))
-
-
-class Told:
-    """What a surface has told of the voxels of the whole: probability and slopes."""
-
-    def __init__(self, parts: list[SweepEchoes]):
-        self.whole, self.surface = surface_of(SweepEchoes.joined(parts)), EchoSurface()
-        self.values = np.zeros((4, *self.whole.probability.shape))
-        for part in parts:
-            self.surface.add(part)
-            if self.surface.take_in():
-                self.take()
-
-    def take(self) -> None:
-        """Ask for news."""
-        news = carry_out(self.surface.news())
-        assert news is not None
-        assert news.slopes is not None
-        first = np.rint(news.probability.grid.origin - self.whole.probability.grid.origin).astype(int)
-        k, j, i = (slice(a, a + n) for a, n in zip(first[::-1], news.probability.shape))
-        self.values[:, k, j, i] = (news.probability.array, *news.slopes)
-
-    @property
-    def off(self) -> np.ndarray:
-        """By how much that differs from the whole."""
-        assert self.whole.slopes is not None
-        return np.abs(self.values - (self.whole.probability.array, *self.whole.slopes))

@@ -23,9 +23,9 @@ from AIFReconLib.workflows.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, f
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmark import commands, limits, speed, spine
-from benchmark.cases import turned
+from benchmark import commands, speed
 
+TESTING = Path(__file__).resolve().parents[2]
 LOOPS = optional_module("benchmark.numba_yardstick")
 needs_numba = pytest.mark.skipif(LOOPS is None, reason="numba is not installed")
 
@@ -60,7 +60,7 @@ def test_there_is_a_yardstick_for_every_method():
 
 def test_everything_is_measured(monkeypatch):
     monkeypatch.setattr(speed, "FILE_FRAMES", 2)
-    result = speed.benchmark(2, 1, (4.0,), voxels=8000)
+    result = speed.benchmark(2, 1, 4.0, voxels=8000)
     found = {timing.what.split(",")[0] for timing in result.timings}
     assert {"average", "weighted", "hole filling", "bone map from labels", "bone map onto a grid", "reading"} <= found
 
@@ -79,27 +79,15 @@ def test_a_command_that_fails_has_no_time(tmp_path):
         commands.timed(["info", str(tmp_path / "none.mha")], tmp_path)
 
 
-def test_what_a_process_takes_is_told(tmp_path):
-    file = tmp_path / "file"
-    file.write_bytes(bytes(30_000_000))
-    program = f"import time; held = open({str(file)!r}, 'rb').read() + bytes([1]) * 40_000_000; time.sleep(0.1)"
-    taken = spine.taken_by([sys.executable, "-c", program])
-    assert taken.seconds > 0.1
-    if Path("/proc/self/io").exists():
-        assert taken.peak_gb > 0.07
-        assert 0.03 < taken.read_gb < 0.06
-
-
-@needs_numba
-def test_the_limit_enters_the_pixels_of_the_engine():
-    sweep = turned(fan_sweep(2, speed.COLUMNS, speed.ROWS), 25.0)
-    grid = turned_grid((3.0, 3.0, 3.0), (40, 50, 60))
-    voxels, pixels = limits.in_order(sweep, grid)
-    hits = np.zeros(grid.voxels, np.uint32)
-    LOOPS.hit(voxels, pixels, np.zeros(grid.voxels, np.uint8), hits)
-    reconstructor = Reconstructor(grid, ReconstructionSettings(method="average", hole_limit=0.0))
-    reconstructor.insert(sweep)
-    np.testing.assert_array_equal(hits.reshape(grid.shape), reconstructor.finish().hits.array)
+def test_what_a_process_takes_is_told():
+    """In a process of its own: what starts another counts as much as itself takes."""
+    program = "import sys, time; held = bytes([1]) * 500_000_000; time.sleep(0.1)"
+    program = f"from benchmark import spine; import sys; print(*spine.taken_by([sys.executable, '-c', {program!r}]).values())"
+    told = subprocess.run([sys.executable, "-c", program], cwd=TESTING, capture_output=True, text=True, check=True).stdout
+    seconds, _, peak = map(float, told.split())
+    assert seconds > 0.1
+    # Other systems count in other units
+    assert sys.platform != "linux" or 0.5 < peak < 0.7
 
 
 SMALL = ("--size", "64", "48", "--frames", "2", "--repeats", "1", "--spacing", "4")
@@ -128,6 +116,6 @@ def test_the_answer_names_the_methods_of_each_kind():
 
 
 def test_the_benchmarks_start_from_their_folder():
-    folder = Path(__file__).resolve().parents[2] / "benchmark"
+    folder = TESTING / "benchmark"
     done = subprocess.run([sys.executable, folder, "live", "--help"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout.startswith("usage: python Testing/benchmark")) == (0, True), done.stderr

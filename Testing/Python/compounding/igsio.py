@@ -69,23 +69,23 @@ def paste(images, poses, grid, mask, index, method):
         elif method == "maximum":
             np.maximum.at(value, flat, pixels)
         else:
-            _add_to_mean(value, hits, flat, pixels)
+            # v = (256 p + v acc) // (acc + 256), acc = 256 hits; from 255 hits on, v = trunc(p / 256 + v 255 / 256)
+            for turn, (now, at) in enumerate(in_turn(flat)):
+                seen, p = hits[at] + turn, pixels[now]
+                mean = (256 * p + value[at] * 256 * seen) // (256 * seen + 256)
+                value[at] = np.where(seen < 255, mean, (p + value[at] * 255) // 256)
         np.add.at(hits, flat, 1)
     return value.reshape(grid.shape), hits.reshape(grid.shape)
 
 
-def _add_to_mean(value, hits, flat, pixels):
-    """v = (256 p + v acc) // (acc + 256), acc = 256 hits; from 255 hits on, v = trunc(p / 256 + v 255 / 256)."""
+def in_turn(flat):
+    """Pixels enter their voxels in their order: at each turn, the next one of every voxel; which pixels, and their voxels."""
     order = np.argsort(flat, kind="stable")
-    flat, pixels = flat[order], pixels[order]
-    first = np.r_[True, flat[1:] != flat[:-1]]
-    rank = np.arange(flat.size) - np.maximum.accumulate(np.where(first, np.arange(flat.size), 0))
-    for turn in range(int(rank.max()) + 1):
-        now = rank == turn
-        at, p = flat[now], pixels[now]
-        seen = hits[at] + turn
-        acc = 256 * seen
-        value[at] = np.where(seen < 255, (256 * p + value[at] * acc) // (acc + 256), (p + value[at] * 255) // 256)
+    flat = flat[order]
+    first = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
+    counts = np.diff(first, append=flat.size)
+    for turn in range(int(counts.max(initial=0))):
+        yield order[first[counts > turn] + turn], flat[first[counts > turn]]
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,12 @@ def paste_linear(images, poses, grid, mask, method, arithmetic):
         elif method == "maximum":
             np.maximum.at(value, flat[chosen], pixels)
         else:
-            _in_turn(value, accumulated, flat[chosen], pixels, shares[chosen], arithmetic)
+            kept = arithmetic.stores_whole_numbers
+            for now, at in in_turn(flat[chosen]):
+                share, before = shares[chosen][now], accumulated[at] * arithmetic.one / 256
+                total = share + before
+                value[at] = arithmetic.rounded(arithmetic.over(share * pixels[now] + before * value[at], total))
+                accumulated[at] = np.minimum(arithmetic.rounded(256 * total), 65535) if kept else 256 * total / arithmetic.one
     return value.reshape(grid.shape), accumulated.reshape(grid.shape)
 
 
@@ -160,19 +165,3 @@ def _corners(low, remainder, size, arithmetic):
         i, j, k = low + np.array(corner)[:, None]
         flat.append((k * size[1] + j) * size[0] + i)
     return np.stack(flat, axis=1), np.stack(shares, axis=1)
-
-
-def _in_turn(value, accumulated, flat, pixels, shares, arithmetic):
-    """Pixels enter their voxels in their order: at each turn, the next one of every voxel."""
-    order = np.argsort(flat, kind="stable")
-    flat = flat[order]
-    first = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
-    counts = np.diff(first, append=flat.size)
-    for turn in range(int(counts.max(initial=0))):
-        now = order[first[counts > turn] + turn]
-        at = flat[first[counts > turn]]
-        before = accumulated[at] * arithmetic.one / 256
-        total = shares[now] + before
-        value[at] = arithmetic.rounded(arithmetic.over(shares[now] * pixels[now] + before * value[at], total))
-        total = 256 * total
-        accumulated[at] = np.minimum(arithmetic.rounded(total), 65535) if arithmetic.stores_whole_numbers else total / arithmetic.one

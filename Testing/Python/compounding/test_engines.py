@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sweeps import oblique_frames, sphere_bone, turned_grid
+from sweeps import compounded, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding import batch, engines
 from AIFReconLib.compounding.methods.table import LINEAR_METHODS, METHODS
@@ -218,11 +218,8 @@ def test_an_image_may_change_once_the_next_frame_was_asked_for():
             yield frame
             frame.image[:] = 0
 
-    reconstructor = Reconstructor(
-        turned_grid(), ReconstructionSettings(hole_limit=0.0, method="latest", engine="numba", output_type="float32")
-    )
-    reconstructor.insert(reusing())
-    np.testing.assert_array_equal(reconstructor.finish().intensity.array, straight)
+    made = compounded(reusing(), method="latest", engine="numba")
+    np.testing.assert_array_equal(made.intensity.array, straight)
 
 
 def test_without_numba_auto_is_numpy_and_asking_for_it_says_how_to_install_it(monkeypatch):

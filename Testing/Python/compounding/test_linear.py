@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from sweeps import oblique_frames, sphere_bone, turned_grid
+from sweeps import compounded, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding import splat_engine
 from AIFReconLib.compounding.reconstructor import Reconstructor
@@ -15,19 +15,11 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 METHODS = ("average", "latest", "maximum")
 REGION = ImageRegion(ClipRectangle((3, 2), (27, 20)))
-
-
-@pytest.fixture(params=["numpy", "numba"])
-def engine(request):
-    if request.param == "numba" and optional_module("AIFReconLib.compounding.compiled.numba_splat") is None:
-        pytest.skip("numba is not installed")
-    return request.param
 
 
 def loop(frames, grid, method, mask, interpolation="linear", importance=None):
@@ -66,13 +58,8 @@ def loop(frames, grid, method, mask, interpolation="linear", importance=None):
     return value, hits
 
 
-def reconstructed(frames, grid, method, engine="auto", region=REGION, importance=None, interpolation="linear", **settings):
-    settings = ReconstructionSettings(
-        hole_limit=0.0, method=method, interpolation=interpolation, engine=engine, output_type="float32", **settings
-    )
-    reconstructor = Reconstructor(grid, settings, region=region, importance=importance)
-    reconstructor.insert(frames)
-    return reconstructor.finish()
+def reconstructed(frames, grid, method, engine="auto", region=REGION, importance=None, interpolation="linear"):
+    return compounded(frames, grid, None, None, region, importance, method=method, engine=engine, interpolation=interpolation)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -99,17 +86,6 @@ def test_an_importance_mask_weights_the_average_as_the_loop_does(interpolation, 
     result = reconstructed(frames, grid, "average", engine, importance=importance, interpolation=interpolation)
     np.testing.assert_array_equal(result.hits.array, hits)
     np.testing.assert_allclose(result.intensity.array, expected, rtol=1e-5, atol=1e-5)
-
-
-@pytest.mark.parametrize("axes", itertools.permutations(range(3)))
-def test_pixels_enter_the_voxels_on_both_sides_of_a_slab_s_edge(axes, engine):
-    pose = np.eye(4)
-    pose[:3, 3] = 0.5, 0.5, 3.25
-    pose[:3] = pose[list(axes)]
-    frames = [TrackedFrame(np.full((30, 30), 10 * n, np.uint8), pose, number=n) for n in range(1, 4)]
-    result = reconstructed(frames, VoxelGrid.from_spacing((0, 0, 0), (33, 33, 33), 1.0), "average", engine, region=None)
-    assert result.hits.array.sum() == 3 * 900 * 8
-    np.testing.assert_allclose(result.intensity.array, 20.0 * result.mask.array, rtol=1e-6)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 from files import refused, tracked_sequence, write_patient
-from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
+from sweeps import compounded, image_pose, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import method_named, registered_methods
@@ -47,10 +47,8 @@ def onsets(intensity, onset):
 
 
 def reconstructed(method, frames=None, grid=None, bone=BONE, region=FAN, **others) -> Reconstruction:
-    settings = ReconstructionSettings(method=getattr(method, "name", method), **{"output_type": "float32", "hole_limit": 0.0, **others})
-    reconstructor = Reconstructor(grid or turned_grid(), settings, bone, probe=PROBE, region=region)
-    reconstructor.insert(oblique_frames(count=6) if frames is None else frames)
-    return reconstructor.finish()
+    frames = oblique_frames(count=6) if frames is None else frames
+    return compounded(frames, grid, bone, PROBE, region, method=getattr(method, "name", method), **others)
 
 
 def assert_same_voxels(one: Reconstruction, other: Reconstruction) -> None:

@@ -115,16 +115,6 @@ def test_holes_as_plus_fills_them_and_pixels_that_move_or_are_left_out_are_those
     assert_same(volumes_of(sweep, wanted, grid, [2, 3, 7], monkeypatch, holes), whole)
 
 
-def test_only_what_was_asked_for_is_made(monkeypatch):
-    sweep, grid = sequence(7), turned_grid(size=(12, 11, PLANES))
-    wanted = ReconstructionSettings(method="average")
-    everything = volumes_of(sweep, wanted, grid, [], monkeypatch)[0]
-    for cuts in ([], [3, 4]):
-        made = volumes_of(sweep, wanted, grid, cuts, monkeypatch, beside=())[0]
-        assert made[2:4] == [None, None]
-        np.testing.assert_array_equal(made[0], everything[0])
-
-
 COSTS = Costs(whole=28, results=2, part=28)
 
 

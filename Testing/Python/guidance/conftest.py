@@ -9,6 +9,7 @@ from sweeps import two_vertebrae
 from waiting import until
 
 from AIFReconLib.guidance import passes
+from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.live.session import guidance_watch
 
 
@@ -20,6 +21,12 @@ def few_candidates():
         patch.setattr(passes, "TRANSVERSE_TILTS_DEG", (0.0, 30.0))
         patch.setattr(passes, "WEARABLE_STEP_DEG", 17.5)
         yield
+
+
+@pytest.fixture(scope="package")
+def bone():
+    """Two vertebrae where their labels lie."""
+    return guided_bone(two_vertebrae())
 
 
 @pytest.fixture

@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sweeps import image_pose, rigid, two_vertebrae
+from sweeps import image_pose, rigid
 
 from AIFReconLib.errors import GeometryError
-from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.bone_coverage import (
     ANGLES_DEG,
     MET,
@@ -28,11 +27,6 @@ KINDS = {
     "linear": (ProbeGeometry(LINEAR), ImageRegion()),
     "sector": (ProbeGeometry(SECTOR, (45.0, -4.0)), ImageRegion(fan=Fan((45.0, -4.0), (-40.0, 40.0), (6.0, 84.0)))),
 }
-
-
-@pytest.fixture(scope="module")
-def bone():
-    return guided_bone(two_vertebrae())
 
 
 def poses(count=6, seed=0):

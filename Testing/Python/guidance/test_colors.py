@@ -13,11 +13,6 @@ MOTION = rigid((10.0, -20.0, 30.0), (5.0, 6.0, 7.0))
 
 
 @pytest.fixture(scope="module")
-def bone():
-    return guided_bone(two_vertebrae())
-
-
-@pytest.fixture(scope="module")
 def colored(bone):
     return ColoredBone.of(bone)
 

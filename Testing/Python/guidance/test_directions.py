@@ -3,16 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from sweeps import two_vertebrae
 
-from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.next_move import DOWN, HERE, TO_LEFT, TO_RIGHT, TURN, UP, directions
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
-
-
-@pytest.fixture(scope="module")
-def bone():
-    return guided_bone(two_vertebrae())
 
 
 def arrows(now, there):

@@ -7,9 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sweeps import two_vertebrae
 
-from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.bone_coverage import CoverageAccumulator
 from AIFReconLib.guidance.candidates import OFF_TARGET, geometry_of
 from AIFReconLib.guidance.next_move import NextMove
@@ -18,8 +16,7 @@ from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement,
 
 
 @pytest.fixture(scope="module")
-def probe():
-    bone = guided_bone(two_vertebrae())
+def probe(bone):
     return ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), bone
 
 

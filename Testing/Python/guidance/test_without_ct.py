@@ -60,11 +60,9 @@ def shaft(place=PLACES[0], tilts_deg=(-15.0, 0.0, 15.0)) -> SweepEchoes:
     return SweepEchoes.joined(parts)
 
 
-def above(place=PLACES[0], x=0.0, z=0.0, turn_deg=0.0) -> np.ndarray:
+def above(place=PLACES[0], x=0.0, z=0.0) -> np.ndarray:
     """image_to_reference of an image that looks along +y at the shaft, (4, 4)."""
-    pose = np.eye(4)
-    turn = rigid((0.0, turn_deg, 0.0))[:3, :3]
-    pose[:3, :3] = turn @ np.diag([*IMAGES.spacing, 0.2])
+    pose = np.diag([*IMAGES.spacing, 0.2, 1.0])
     column, row = IMAGES.face_px
     pose[:3, 3] = np.array([x, -45.0, z]) - pose[:3, :2] @ (column, row)
     return place @ pose
@@ -253,20 +251,6 @@ def sweep() -> TrackedSequence:
 
 
 RECIPE = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))
-
-
-def test_guidance_of_a_sweep_without_labels(sweep):
-    found = guidance_of_sweep(sweep, recipe=RECIPE)
-    assert found.problem is None
-    known = found.coverage.met.bone.surface
-    on_plate = np.abs(known.points_reference[known.labels == 1][:, 1] - (-45.0 + 33.0))
-    assert np.median(on_plate) < 1.2
-    seen = found.seen()
-    assert seen.by_label == {}
-    assert seen.interspinous.reachable_cm2 == 0
-    assert 0 < seen.all.met < 1
-    assert seen.is_advised
-    assert len(seen.levels) == len(seen.mesh.points_reference)
 
 
 def test_the_command_coverage_without_labels(sweep, tmp_path, capsys):

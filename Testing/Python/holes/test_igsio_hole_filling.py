@@ -10,16 +10,8 @@ import pytest
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.holes.filling import FILLED, MEASURED, HoleFilling
 from AIFReconLib.holes.igsio_hole_filling import fill_holes_by_kind
-from AIFReconLib.machine.threads import optional_module
 
 SHAPE = (6, 7, 8)
-
-
-@pytest.fixture(params=["numpy", "numba"])
-def engine(request):
-    if request.param == "numba" and optional_module("AIFReconLib.holes.numba_sticks") is None:
-        pytest.skip("numba is not installed")
-    return request.param
 
 
 def scattered(share: float, seed: int, shape=SHAPE) -> tuple[np.ndarray, np.ndarray]:
@@ -140,14 +132,6 @@ def test_what_one_way_leaves_is_the_next_ones():
     expected = np.where(mask == MEASURED, values, np.where(np.isnan(sticks), np.nan_to_num(cubes), sticks))
     fill_holes_by_kind(values, mask, (first, second))
     np.testing.assert_allclose(values, expected, rtol=1e-6)
-
-
-def test_a_stick_interpolates_between_its_ends():
-    values = np.array([[[90, 0, 0, 0, 10]]], np.float32)
-    mask = (values > 0).astype(np.uint8)
-    fill_holes_by_kind(values, mask, (HoleFilling("stick", 5),))
-    # IGSIO weights the far end with the steps to the near one plus 1, out of their sum plus 1
-    np.testing.assert_allclose(values, [[[90, (3 * 90 + 2 * 10) / 5, (2 * 90 + 3 * 10) / 5, (1 * 90 + 4 * 10) / 5, 10]]])
 
 
 @pytest.mark.parametrize(

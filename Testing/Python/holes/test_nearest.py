@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.holes import nearest as holes
 from AIFReconLib.holes.filling import EMPTY, FILLED, MEASURED
-from AIFReconLib.machine.threads import optional_module
 
 CUBE = np.array([1.0, 1.0, 1.0])
 ENGINE = {"name": "auto"}
@@ -24,12 +23,10 @@ def fill_holes(*arguments):
     return holes.fill_holes(*arguments, engine=ENGINE["name"])
 
 
-@pytest.fixture(autouse=True, params=["numpy", "numba"])
-def way(request, monkeypatch):
+@pytest.fixture(autouse=True)
+def way(engine, monkeypatch):
     """Each test runs with numpy and with numba."""
-    if request.param == "numba" and optional_module("AIFReconLib.holes.numba_nearest") is None:
-        pytest.skip("numba is not installed")
-    monkeypatch.setitem(ENGINE, "name", request.param)
+    monkeypatch.setitem(ENGINE, "name", engine)
 
 
 def filled_by_search(values: np.ndarray, mask: np.ndarray, spacing, limit: float) -> tuple[np.ndarray, np.ndarray]:

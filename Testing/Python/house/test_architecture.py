@@ -1,4 +1,4 @@
-"""The rooms of the project stand in one order, imports run down it, and the drawing in docs/developers.md shows them so."""
+"""The rooms of the project stand in one order, that of the drawing in docs/developers.md, and imports run down it."""
 
 from __future__ import annotations
 
@@ -10,29 +10,11 @@ from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[3]
+from doc_pages import REPOSITORY, name_of
+
 LIBRARY = REPOSITORY / "AIFReconLib"
 MODULE = REPOSITORY / "AIFRecon"
 DRAWING = ElementTree.parse(REPOSITORY / "docs" / "images" / "architecture.svg").getroot()
-
-ROOMS = (
-    *("AIFRecon.py", "AIFReconGui/panel", "AIFReconGui/fields", "AIFReconGui"),
-    *("AIFReconScene/picture", "AIFReconScene/live", "AIFReconScene/registration", "AIFReconScene/display"),
-    *("AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
-    "AIFReconScene",
-    *("commands", "batch", "terminal"),
-    "worker",
-    "reconstruction",
-    "workflows",
-    *("live/replay", "live/session", "live/pairing", "live/wire"),
-    *("guidance", "paths"),
-    *("evaluation", "simulation", "inspection", "provenance", "compounding"),
-    *("calibration", "registration", "motion", "bone", "effective_settings"),
-    *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
-    *("sweep", "imaging", "holes", "recipe", "geometry", "machine"),
-    *("compounding/methods", "progress", "errors", "message", "remedies", "arrays"),
-)
-"""From the top to the bottom: a room may import those that come after it. Folders, and the files that lie beside them."""
 
 EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
 PACKAGES = {
@@ -64,11 +46,6 @@ SPLIT_ROOMS = ("io", "live")
 
 LOW_ROOMS = (("compounding", "methods"),)
 """Rooms that stand far below the one in which they lie: the recipe asks the table of methods for its names."""
-
-
-def name_of(path: Path) -> str:
-    """The path within the repository."""
-    return path.relative_to(REPOSITORY).as_posix()
 
 
 def room_of(path: Path) -> str | None:
@@ -128,22 +105,28 @@ def circle(edges: dict[Path, set[Path]]) -> list[str]:
     return []
 
 
+def drawn() -> dict[str, float]:
+    """Every room of the drawing, and how far down its box begins."""
+    boxes = [element for element in DRAWING.iter() if element.get("data-room")]
+    return {box.attrib["data-room"]: float(next(part for part in box if part.tag.endswith("rect")).attrib["y"]) for box in boxes}
+
+
 def upward(edges: dict[Path, set[Path]]) -> set[tuple[str, str]]:
-    """Pairs of files of which the first imports the second against the order of the rooms."""
-    pairs = set()
+    """Pairs of files of which the first imports the second although its room is not drawn above."""
+    heights, pairs = drawn(), set()
     for file, others in edges.items():
         for other in others:
             here, there = room_of(file), room_of(other)
-            if here is not None and there is not None and ROOMS.index(there) < ROOMS.index(here):
+            if here is not None and there is not None and here != there and heights[here] >= heights[there]:
                 pairs.add((name_of(file), name_of(other)))
     return pairs
 
 
-def test_every_room_has_its_place_in_the_order():
-    assert {room for file in FILES if (room := room_of(file))} == set(ROOMS)
+def test_every_room_is_drawn():
+    assert {room for file in FILES if (room := room_of(file))} == set(drawn())
 
 
-def test_imports_run_down_the_order_of_rooms():
+def test_every_room_is_drawn_above_all_that_it_imports():
     assert upward(graph()) == set()
 
 
@@ -181,23 +164,6 @@ def test_at_the_root_of_the_library_lie_only_what_all_rooms_share_and_the_way_in
         *("__init__", "__main__", "reconstruction", "effective_settings"),
         *("progress", "errors", "message", "remedies", "arrays"),
     }
-
-
-# ---- the drawing
-
-
-def drawn() -> dict[str, float]:
-    """Every room of the drawing, and how far down its box begins."""
-    boxes = [element for element in DRAWING.iter() if element.get("data-room")]
-    return {box.attrib["data-room"]: float(next(part for part in box if part.tag.endswith("rect")).attrib["y"]) for box in boxes}
-
-
-def test_every_room_is_drawn_above_all_that_it_imports():
-    heights = drawn()
-    assert set(heights) == set(ROOMS)
-    pairs = {(room_of(file), room_of(other)) for file, others in graph().items() for other in others}
-    pairs = {(one, other) for one, other in pairs if one and other and one != other}
-    assert [(one, other) for one, other in sorted(pairs) if heights[one] >= heights[other]] == []
 
 
 def test_an_import_in_a_function_one_that_runs_up_and_a_circle_are_seen():

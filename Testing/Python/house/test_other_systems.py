@@ -6,9 +6,10 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path, PureWindowsPath
+from pathlib import PureWindowsPath
 
 import pytest
+from doc_pages import REPOSITORY
 from files import refused
 
 from AIFReconLib.commands.parser import main
@@ -18,7 +19,6 @@ from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.provenance.settings_files import read_settings
 from AIFReconLib.terminal import outputs
 
-REPOSITORY = Path(__file__).resolve().parents[3]
 LIBRARY = REPOSITORY / "AIFReconLib"
 POSIX_ALONE = {"fcntl", "resource", "pwd", "grp", "termios", "tty", "pty", "syslog"}
 AS_ON_WINDOWS = """

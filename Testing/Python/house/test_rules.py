@@ -6,22 +6,17 @@ import ast
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 import weight
+from doc_pages import REPOSITORY, name_of
 
 import AIFReconLib
 
-REPOSITORY = Path(__file__).resolve().parents[3]
 LIBRARY = REPOSITORY / "AIFReconLib"
 FILES = [path for folder in ("AIFReconLib", "AIFRecon") for path in sorted((REPOSITORY / folder).rglob("*.py"))]
 LONGEST_NAME = 150
 """Of 260 characters of a path on Windows, what this repository may take; the folder that it lies in has the rest."""
-
-
-def name_of(path: Path) -> str:
-    return path.relative_to(REPOSITORY).as_posix()
 
 
 def tracked_names() -> list[str]:

@@ -6,14 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sweeps import oblique_frames, sphere_bone, turned_grid
+from sweeps import compounded, oblique_frames, sphere_bone
 
 from AIFReconLib.compounding.methods.table import BONE_METHODS
-from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
-from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 FAN = Fan((100, 0), (-45, 45), (20, 150))
 DETECTION = FanDetection(30, 10)
@@ -22,20 +19,9 @@ ANGLE = np.degrees(np.arctan2(COLUMN - 100, ROW))
 
 
 def reconstructed(frames, method="average", engine="auto", rejection=None, interpolation="nearest", region=None):
-    settings = ReconstructionSettings(
-        method=method, engine=engine, pixel_rejection=rejection, interpolation=interpolation, intensity_maximum=255
-    )
-    probe = ProbeGeometry("linear")
-    reconstructor = Reconstructor(turned_grid(), settings, sphere_bone() if method in BONE_METHODS else None, probe=probe, region=region)
-    reconstructor.insert(frames)
-    return reconstructor.finish()
-
-
-@pytest.fixture(params=["numpy", "numba"])
-def engine(request):
-    if request.param == "numba" and optional_module("numba") is None:
-        pytest.skip("numba is not installed")
-    return request.param
+    asked = {"method": method, "engine": engine, "pixel_rejection": rejection, "interpolation": interpolation}
+    bone = sphere_bone() if method in BONE_METHODS else None
+    return compounded(frames, None, bone, ProbeGeometry("linear"), region, intensity_maximum=255, **asked)
 
 
 @pytest.mark.parametrize(("method", "interpolation"), [("average", "nearest"), ("aif", "nearest"), ("average", "linear")])

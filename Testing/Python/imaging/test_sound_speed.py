@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from files import IMAGE_TO_PROBE, tracked_sequence
-from sweeps import image_pose, oblique_frames, sphere_bone, turned_grid
+from files import calibrated, tracked_sequence
+from sweeps import compounded, image_pose, oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.imaging.sound_speed import DepthScale, depth_factor
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedFrame
 
 LINEAR, PHASED = ProbeGeometry("linear"), ProbeGeometry("sector", (50.0, 0.0))
@@ -35,10 +32,8 @@ def place_of(pixel, probe, region, **settings):
     image = np.zeros((120, 100), np.uint8)
     image[pixel[1], pixel[0]] = 200
     grid = VoxelGrid.from_spacing((-5, -5, 0), (601, 801, 1), (0.05, 0.05, 1.0))
-    reconstructor = Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method="maximum", **settings), probe=probe, region=region)
-    reconstructor.insert(TrackedFrame(image, image_pose(SPACING)))
-    array = reconstructor.finish().intensity.array[0]
-    row, column = np.argwhere(array == 200).mean(axis=0)
+    made = compounded([TrackedFrame(image, image_pose(SPACING))], grid, None, probe, region, method="maximum", **settings)
+    row, column = np.argwhere(made.intensity.array[0] == 200).mean(axis=0)
     return column * 0.05 - 5, row * 0.05 - 5
 
 
@@ -69,10 +64,7 @@ def test_a_sector_shows_depth_below_its_transducer_along_radii():
 
 
 def volumes(method, frames, bone=None, **settings):
-    settings = ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32", intensity_maximum=255, **settings)
-    reconstructor = Reconstructor(turned_grid(), settings, bone, probe=LINEAR)
-    reconstructor.insert(frames)
-    return reconstructor.finish()
+    return compounded(frames, None, bone, LINEAR, method=method, intensity_maximum=255, **settings)
 
 
 @pytest.mark.parametrize("method", [m for m in METHODS if m != "weighted"])
@@ -89,9 +81,7 @@ def test_for_a_linear_probe_it_is_the_same_as_images_of_another_pixel_size(metho
 @pytest.mark.parametrize("probe", [LINEAR, ProbeGeometry("sector", (20.0, -9.0))])
 @pytest.mark.parametrize("speed", [1300.0, 1700.0])
 def test_the_box_around_the_sweep_holds_every_pixel_at_its_true_place(probe, speed):
-    known = {"path": Path("made-up.xml"), "transforms": {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}}
-    configuration = PlusConfiguration(**known, probe=probe, region=ImageRegion(ClipRectangle((0, 0), (39, 29))))
-    sequence = replace(tracked_sequence(), configuration=configuration)
+    sequence = calibrated(probe=probe, region=ImageRegion(ClipRectangle((0, 0), (39, 29))))
     result = reconstruct(sequence, ReconstructionSettings(hole_limit=0.0, method="average", spacing=0.7, speed_of_sound=speed))
     assert result.hits.array.sum() == 6 * 30 * 40
     assert all(result.hits.array.any(axis=axes)[end] for axes in ((1, 2), (0, 2), (0, 1)) for end in (0, -1))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy import ndimage
-from study.scanner_looks import looks
+from study.scanner_looks import LOOKS
 
 from AIFReconLib.imaging.gray_levels import FAR_OFF, LARGEST_SHIFT, PERCENTILES, STANDARD, UNTOLD, GrayLevels
 
@@ -39,7 +39,7 @@ def test_the_pixels_of_a_sweep_have_the_percentiles_of_the_standard():
 @pytest.mark.parametrize(("look", "bright"), [*((look, 30) for look in POINTWISE), ("gain -8 dB of 60", 60)])
 def test_gain_and_gray_curve_change_nothing_that_is_judged_and_what_is_cut_off_stays_black(look, bright):
     images = sweep()
-    seen = looks(images)[look]
+    seen = LOOKS[look](images)
     ours, theirs = (learned(each).of(each).astype(int) for each in (images, seen))
     assert np.abs(ours - theirs)[images > bright].mean() < 2.5
     assert (theirs[seen == 0] == 0).all()

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import tracemalloc
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
-from files import IMAGE_TO_PROBE, tracked_sequence
+from files import calibrated
 from sweeps import sphere_bone
 
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
@@ -23,11 +22,7 @@ PROMISED = {"average": 10, "latest": 7, "maximum": 7}
 
 @pytest.fixture(scope="module")
 def sequence():
-    from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
-    from AIFReconLib.sweep.configuration import PlusConfiguration
-
-    calibration = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
-    return replace(tracked_sequence(), configuration=PlusConfiguration(path=Path("made-up.xml"), transforms=calibration))
+    return calibrated()
 
 
 def per_voxel(sequence, settings, bone):

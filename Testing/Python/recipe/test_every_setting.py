@@ -78,7 +78,7 @@ VALUES = {
 
 ELSEWHERE = {
     "importance_mask": "an image, below",
-    "bone_from_sweep": "a sweep that shows bone, below",
+    "bone_from_sweep": "a sweep that shows bone, in Testing/Python/bone",
     "bone_frames_px": "a network's predictions, below",
     "engine": "every engine gives the same voxels",
     "motion": "a patient who moves, in Testing/Python/motion",
@@ -124,43 +124,20 @@ def read(patient):
     return read_sequence(patient.sweep, config=patient.config), read_labels(patient.labels), read_transform(patient.transform)
 
 
-@pytest.fixture(scope="module")
-def outcome(patient, tmp_path_factory):
-    """What becomes of the sweep with these settings: the exit code, voxels and their place; the same settings run once."""
-
-    @lru_cache
-    def run(text, *words):
-        results = tmp_path_factory.mktemp("results")
-        path = results / "settings.json"
-        path.write_text(text)
-        of_bone = ["--bone-labels", patient.labels, "--bone-transform", patient.transform]
-        bone = of_bone if json.loads(text).get("method") in BONE_METHODS else []
-        outputs = {name: results / f"{name}.nrrd" for name in ("intensity", "score")}
-        words = [*patient.reconstruct, *bone, "--settings", path, "-q", *words, "--score", outputs["score"]]
-        code = main([str(word) for word in [*words, "-o", outputs["intensity"]]])
-        if code:
-            return (code,)
-        volumes = [read_volume(path) for path in outputs.values()]
-        return code, *((volume.array.tobytes(), volume.array.dtype, volume.ijk_to_reference.tobytes()) for volume in volumes)
-
-    return lambda settings, *words: run(json.dumps({name: value for name, value in settings.items() if value is not None}), *words)
-
-
-@pytest.mark.parametrize("name", VALUES)
-def test_a_setting_makes_a_difference(name, outcome):
-    one, other, beside = VALUES[name]
-    assert outcome({**beside, name: one}) != outcome({**beside, name: other})
-
-
-def test_a_mask_bone_of_the_sweep_and_what_predictions_cover_make_a_difference(outcome, tmp_path):
+def test_an_orientation_a_mask_and_what_predictions_cover_make_a_difference(patient, tmp_path):
     mask = np.full((30, 40), 255, np.uint8)
     mask[:, :20] = 0
     sitk.WriteImage(sitk.GetImageFromArray(mask), str(tmp_path / "mask.png"))
     write_sequence(tracked_sequence(seed=3), tmp_path / "predicted.mha")
-    predicted = ["--bone-frames", tmp_path / "predicted.mha"]
-    assert outcome({}) != outcome({}, "--importance-mask", tmp_path / "mask.png")
-    assert outcome({}) != outcome({"bone_from_sweep": True})
-    assert outcome({}, *predicted) != outcome({"bone_frames_px": [10, 5, 20, 15]}, *predicted)
+
+    def made(*words):
+        assert main([*map(str, [*patient.reconstruct, "-q", *words, "-o", tmp_path / "v.nrrd"])]) == 0
+        return read_volume(tmp_path / "v.nrrd").array.tobytes()
+
+    assert made() != made("--orientation", "UN")
+    assert made() != made("--importance-mask", tmp_path / "mask.png")
+    predicted = "--bone-frames", tmp_path / "predicted.mha"
+    assert made(*predicted) != made(*predicted, "--bone-frames-px", 10, 5, 20, 15)
 
 
 # ---- Python

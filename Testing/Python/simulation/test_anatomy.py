@@ -7,7 +7,6 @@ from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
-from AIFReconLib.simulation.implicit_shapes import Bar
 from AIFReconLib.simulation.morphometry import LAMINA_THICKNESS, TYPICAL
 from AIFReconLib.simulation.vertebra import DISTANCE_LIMIT
 
@@ -190,11 +189,3 @@ def test_a_ct_in_its_own_frame_shows_the_same_bone(person):
 def test_what_no_phantom_has_is_refused_and_making_one_can_be_canceled(error, make, words):
     with pytest.raises(error, match=words or None):
         make()
-
-
-def test_a_flat_bar_is_thin_the_way_it_faces_and_tapers():
-    along, across = np.array([1.0, 1.0, 0.0]) / np.sqrt(2), np.array([-1.0, 1.0, 0.0]) / np.sqrt(2)
-    bar = Bar((0, 0, 0), tuple(20 * along), (8, 3), (4, 1), (0, 1, 0))
-    surface = np.array([10 * along + 2 * across, 10 * along + np.array([0, 0, 6.0]), 3 * across, [0, 0, -8.0]], dtype=np.float32)
-    assert bar.distance(*surface.T) == pytest.approx(np.zeros(4), abs=1e-4)
-    assert bar.reaches(*surface.T, 0.5).tolist() == [0, 1, 2, 3]

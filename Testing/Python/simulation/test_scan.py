@@ -1,12 +1,11 @@
-import xml.etree.ElementTree as ElementTree
-
 import numpy as np
 import pytest
 from scipy import ndimage
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
-from AIFReconLib.geometry.transform_graph import TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.geometry.transforms import invert, transform_points, why_not_rigid
+from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import (
@@ -124,23 +123,13 @@ def test_a_random_motion_moves_its_point_and_turns_by_exactly_that_much():
     assert np.rad2deg(np.arccos((np.trace(motion[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
 
 
-def test_configuration_holds_calibration_apex_and_fan():
-    root = ElementTree.fromstring(plus_configuration_xml(PROBE))
-    transform, scan, fan = (root.find(path) for path in ("CoordinateDefinitions/Transform", "ScanConversion", "VolumeReconstruction"))
-
-    def numbers(element, name):
-        return [float(word) for word in element.get(name).split()]
-
-    assert (transform.get("From"), transform.get("To")) == ("Image", "Probe")
-    assert numbers(transform, "Matrix") == pytest.approx(PROBE.image_to_probe.ravel(), abs=1e-6)
-    # Plus measures from the transducer's center, which lies a radius below the apex
-    (column, row), (_, spacing), (start,) = (
-        numbers(scan, name) for name in ("TransducerCenterPixel", "OutputImageSpacingMmPerPixel", "RadiusStartMm")
-    )
-    assert (column, row - start / spacing) == pytest.approx(PROBE.apex_px)
-    assert numbers(fan, "FanOriginPixel") == pytest.approx(PROBE.fan.apex_px)
-    assert numbers(fan, "FanRadiusStopPixel") == pytest.approx([PROBE.fan.radii[1]])
-    assert numbers(fan, "FanAnglesDeg") == pytest.approx(PROBE.fan.angles_deg)
+def test_the_configuration_is_read_as_the_probe_is(tmp_path):
+    (tmp_path / "plus.xml").write_text(plus_configuration_xml(PROBE))
+    read = read_plus_configuration(tmp_path / "plus.xml")
+    assert read.transforms[TransformName("Image", "Probe")].matrix == pytest.approx(PROBE.image_to_probe, abs=1e-6)
+    assert (read.probe.kind, read.probe.apex_px) == (PROBE.geometry.kind, pytest.approx(PROBE.apex_px))
+    for name in ("apex_px", "angles_deg", "radii"):
+        assert getattr(read.region.fan, name) == pytest.approx(getattr(PROBE.fan, name))
 
 
 @pytest.mark.parametrize(

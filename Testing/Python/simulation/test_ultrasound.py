@@ -1,11 +1,9 @@
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
+from study.flat_bone import FlatBone
 
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transforms import transform_points
-from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.recipe.recipe import SCANNER_SPEED
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.ultrasound import (
@@ -18,33 +16,14 @@ from AIFReconLib.simulation.ultrasound import (
     simulate_frame,
 )
 
-SPACING = 2.0
+DEPTH, TISSUE_DB = 45.0, 20.0
 
 
-@dataclass(frozen=True)
-class Plane:
-    """A flat bone surface `depth` mm below the origin along +y, turned by `angle_deg` about z ("in-plane") or x, in even tissue."""
-
-    depth: float = 45.0
-    angle_deg: float = 0.0
-    axis: str = "in-plane"
-    tissue_db: float = 20.0
-
-    @property
-    def bone_distance(self) -> Volume:
-        grid = VoxelGrid.from_spacing((-70.0, -10.0, -30.0), (71, 61, 31), SPACING)
-        k, j, i = np.indices(grid.shape)
-        x, y, z = (-70 + SPACING * i, -10 + SPACING * j - self.depth, -30 + SPACING * k)
-        angle = np.deg2rad(self.angle_deg)
-        side = x if self.axis == "in-plane" else z
-        distance = -(y * np.cos(angle) + side * np.sin(angle))
-        return Volume(np.clip(distance, -6, 6).astype(np.float32), grid.ijk_to_reference)
-
-    def scattering_db(self, points_reference, beams_reference):
-        return np.full(points_reference.shape[:-1], self.tissue_db, dtype=np.float32)
+def plane(depth=DEPTH, angle_deg=0.0, axis="in-plane", tissue_db=TISSUE_DB) -> FlatBone:
+    return FlatBone(depth, angle_deg, axis, tissue_db)
 
 
-NO_BONE = Plane(depth=500.0)
+NO_BONE = plane(depth=500.0)
 SILENCE = -40.0
 """dB of tissue that does not scatter."""
 SEEDS = 8
@@ -88,23 +67,23 @@ def half_amplitude_thickness(level: np.ndarray) -> float:
 
 @pytest.mark.parametrize("depth", [25.0, 45.0, 70.0])
 def test_echo_lies_where_the_surface_is_and_comes_earlier_in_faster_tissue(depth):
-    assert np.argmax(levels(Plane(depth))) == pytest.approx(row_of(depth), abs=1)
+    assert np.argmax(levels(plane(depth))) == pytest.approx(row_of(depth), abs=1)
     fast = UltrasoundEffects(speed_of_sound=1.05 * SCANNER_SPEED)
-    assert np.argmax(levels(Plane(1.05 * depth), fast)) == pytest.approx(row_of(depth), abs=1)
-    assert not frame(Plane(depth))[~PROBE.fan.mask(PROBE.columns, PROBE.rows)].any()
+    assert np.argmax(levels(plane(1.05 * depth), fast)) == pytest.approx(row_of(depth), abs=1)
+    assert not frame(plane(depth))[~PROBE.fan.mask(PROBE.columns, PROBE.rows)].any()
     face = np.array([PROBE.apex_px[0], PROBE.apex_px[1] + PROBE.apex_offset / PROBE.pixel_spacing, 0.0])
     assert transform_points(PROBE.image_to_probe, face) == pytest.approx(PROBE.transducer_to_probe[:3, 3])
 
 
 def test_nothing_but_noise_lies_behind_bone():
-    behind = middle_band(frame(Plane()), 52, 80)
-    noise = middle_band(frame(Plane(500.0, tissue_db=SILENCE)), 52, 80)
+    behind = middle_band(frame(plane()), 52, 80)
+    noise = middle_band(frame(plane(500.0, tissue_db=SILENCE)), 52, 80)
     assert behind.mean() == pytest.approx(noise.mean(), abs=2.0)
     assert behind.mean() < 0.4 * middle_band(frame(NO_BONE), 52, 80).mean()
 
 
 def test_with_clutter_a_shadow_has_the_level_that_is_said():
-    level = levels(Plane(depth=40.0), UltrasoundEffects(clutter=True))
+    level = levels(plane(depth=40.0), UltrasoundEffects(clutter=True))
     for behind in (3.0, 8.0):
         lost = (ATTENUATION_DB_PER_MM - TIME_GAIN_DB_PER_MM) * (40.0 + behind)
         assert level[row_of(40.0 + behind)] == pytest.approx(CLUTTER_DB - CLUTTER_FALL * behind - lost, abs=1.5)
@@ -112,21 +91,21 @@ def test_with_clutter_a_shadow_has_the_level_that_is_said():
 
 @pytest.mark.parametrize("angle_deg", [20.0, 40.0, 60.0])
 def test_a_surface_hit_squarely_is_brighter_than_one_hit_obliquely(angle_deg):
-    assert levels(Plane()).max() > levels(Plane(angle_deg=angle_deg)).max() + 2
+    assert levels(plane()).max() > levels(plane(angle_deg=angle_deg)).max() + 2
 
 
 def test_diffuse_echoes_that_a_thick_beam_spreads_add_up_in_power():
     """At these angles nothing else is left of bone's echo."""
     angles = np.deg2rad([57.0, 68.0])
-    near, far = (levels(Plane(PROBE.elevation_focus, np.rad2deg(a), "elevational", SILENCE)).max() for a in angles)
+    near, far = (levels(plane(PROBE.elevation_focus, np.rad2deg(a), "elevational", SILENCE)).max() for a in angles)
     amplitude = np.cos(angles) / np.sqrt(np.tan(angles))
     assert near - far == pytest.approx(20 * np.log10(amplitude[0] / amplitude[1]), abs=1.2)
 
 
 @pytest.mark.parametrize("angle_deg", [25.0, 35.0, 45.0])
 def test_an_oblique_plane_is_thicker_by_beam_width_times_tangent(angle_deg):
-    thick = half_amplitude_thickness(levels(Plane(PROBE.elevation_focus, angle_deg, "elevational", SILENCE)))
-    thin = half_amplitude_thickness(levels(Plane(PROBE.elevation_focus, tissue_db=SILENCE)))
+    thick = half_amplitude_thickness(levels(plane(PROBE.elevation_focus, angle_deg, "elevational", SILENCE)))
+    thin = half_amplitude_thickness(levels(plane(PROBE.elevation_focus, tissue_db=SILENCE)))
     beam = PROBE.elevation_fwhm(PROBE.elevation_focus) * np.tan(np.deg2rad(angle_deg))
     assert np.sqrt(max(thick**2 - thin**2, 0)) == pytest.approx(beam, rel=0.15)
 
@@ -145,13 +124,13 @@ def test_point_spread_widens_speckle_across_the_beams_with_depth():
 
 def test_an_echo_is_as_thick_as_the_pulse_is_long():
     """0.26 mm near and 0.42 mm deep, as standard deviations."""
-    near, deep = (half_amplitude_thickness(levels(Plane(depth, tissue_db=SILENCE))) for depth in (20.0, 80.0))
+    near, deep = (half_amplitude_thickness(levels(plane(depth, tissue_db=SILENCE))) for depth in (20.0, 80.0))
     assert near == pytest.approx(2.355 * 0.29, abs=0.2)
     assert deep == pytest.approx(2.355 * 0.40, abs=0.2)
 
 
 def test_speckle_is_rayleigh_distributed():
-    band = middle_band(frame(Plane(500.0, tissue_db=30.0)), 20, 80)
+    band = middle_band(frame(plane(500.0, tissue_db=30.0)), 20, 80)
     assert band.std() * DYNAMIC_RANGE_DB / 254 == pytest.approx(5.57, abs=0.8)
 
 
@@ -159,7 +138,7 @@ KNOBS = {"normal": {}, "gain": {"gain_db": 6.0}, "depth gain": {"depth_gain_db":
 
 
 def test_gain_depth_gain_and_gray_curve_change_the_picture_as_on_a_scanner():
-    tissue = Plane(500.0, tissue_db=30.0)
+    tissue = plane(500.0, tissue_db=30.0)
     band = {name: middle_band(frame(tissue, UltrasoundEffects(**knob)), 20, 80).mean() for name, knob in KNOBS.items()}
     # 254 levels are 58 dB
     assert band["gain"] - band["normal"] == pytest.approx(6.0 * 254.0 / 58.0, abs=2.0)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from study.reference_methods import LEAST, confidence_weighted_sector, incidence_weighted, largest_contrast, random_walk_confidence
+from study.reference_methods import incidence_weighted, largest_contrast, random_walk_confidence
 
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.simulation.phased_array import PhasedArray
 
 
 def test_confidence_falls_evenly_from_the_face_to_the_end_where_nothing_stops_sound():
@@ -22,17 +21,6 @@ def test_confidence_is_low_behind_a_bright_line_and_unchanged_beside_it():
     confidence = random_walk_confidence(image)
     assert confidence[25, 20] < 0.1 * confidence[25, 50]
     assert confidence[8, 20] > 0.9 * confidence[8, 50]
-
-
-def test_confidence_of_a_sector_follows_its_beams():
-    probe = PhasedArray()
-    rows, columns = np.nonzero(probe.region.mask(probe.columns, probe.rows))
-    image = np.zeros((np.ptp(rows) + 1, np.ptp(columns) + 1), np.float32)
-    weight, _ = confidence_weighted_sector(image)
-    x, y = (columns - probe.apex_px[0]) * probe.pixel_spacing, (rows - probe.apex_px[1]) * probe.pixel_spacing
-    expected = np.full(image.shape, LEAST)
-    expected[rows - rows.min(), columns - columns.min()] += 1.0 - (np.hypot(x, y) - probe.radii[0]) / probe.depth
-    np.testing.assert_allclose(weight, expected, atol=0.02)
 
 
 def test_a_beam_that_meets_bone_squarely_counts_a_hundred_times_one_that_grazes_it():
