@@ -16,7 +16,7 @@ from AIFReconLib.calibration.calibration import Calibration, calibrate_echoes, f
 from AIFReconLib.calibration.check import mirrored, quarter_turns
 from AIFReconLib.calibration.crossing import crossing
 from AIFReconLib.calibration.echoes import Correction, _PlaneTrack
-from AIFReconLib.calibration.solve import PARAMETERS, as_correction, as_vector, named
+from AIFReconLib.calibration.solve import ALL, PARAMETERS, Solved, _Cost, as_correction, as_vector, named
 from AIFReconLib.geometry.transforms import with_unit_depth
 from AIFReconLib.simulation.scan import random_rigid
 
@@ -169,3 +169,17 @@ def test_without_times_the_delay_is_not_asked_for(bone):
     found = calibrate_echoes(replace(timed, times=np.full(len(timed.times), np.nan)), bone, np.eye(4))
     assert not found.held[-1]
     assert found.correction.delay == 0.0
+
+
+def test_slopes_are_those_of_finite_differences(true, bone):
+    few = true.spread(300)
+    at = Solved(start(true), as_correction(0.3 * np.array([1, 1, 1, 0.03, 0.03, 0.03, 0.02, 0.02, 0.02]), true.center), 0.0)
+    _, slopes = _Cost(few, bone, at, ALL)(np.zeros(15))
+    for column in range(15):
+        step = np.zeros(15)
+        step[column] = 2e-3
+        # Kinks between voxels are few
+        ahead, behind = _Cost(few, bone, at, ALL)(step)[0], _Cost(few, bone, at, ALL)(-step)[0]
+        there = (np.abs(ahead) < 100) & (np.abs(behind) < 100)
+        differences = (ahead - behind)[there] / 4e-3
+        assert np.median(np.abs(differences - slopes[there, column])) < 2e-3 * max(np.abs(slopes[:, column]).max(), 1.0)

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_wires import IMAGE_TO_PROBE, PLACE, SIZE, recording, write_phantom
+from made_wires import IMAGE_TO_PROBE, PLACE, SIZE, recording, rendered, write_phantom
 
 from AIFReconLib import read_sequence
-from AIFReconLib.calibration.nwire import calibrate_on_wires, wire_report
-from AIFReconLib.calibration.wire_points import wire_points
+from AIFReconLib.calibration.nwire import calibrate_on_wires, wire_findings, wire_report
+from AIFReconLib.calibration.wire_points import bright_dots, wire_points
 from AIFReconLib.errors import ConfigurationError, GeometryError, NoUsableFramesError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.io.plus.phantom import read_wire_phantom
@@ -163,3 +163,23 @@ def test_a_real_phantom_is_calibrated_to_what_plus_found_on_that_day(real):
     assert real.other_half < 0.35
     # Plus stated 0.51 mm of its own
     assert real.changed < 1.0
+
+
+def test_the_given_calibration_is_compared(wires):
+    given = IMAGE_TO_PROBE.copy()
+    given[:3, 3] += (0.0, 3.0, 0.0)
+    found = calibrate_on_wires(recording(wires, given=given), wires)
+    assert found.changed == pytest.approx(3.0, abs=0.05)
+    assert "image points 3.0 mm elsewhere" in wire_findings(found)[-2]
+
+
+def test_a_phantom_without_a_place_is_refused_by_the_name_of_what_is_missing(wires):
+    with pytest.raises(TransformError, match=r"nothing says where the phantom is. PhantomToReference is missing"):
+        calibrate_on_wires(recording(wires, 2, place=None), wires)
+
+
+def test_dots_are_found_to_a_fraction_of_a_pixel():
+    wire = np.array([[[10.33, -5.0, 7.71], [10.33, 5.0, 7.71]]])
+    plane = np.array([[0.15, 0, 0, 0], [0, 0, 1, 0], [0, 0.12, 0, 0], [0, 0, 0, 1.0]])
+    dots, _ = bright_dots(rendered(plane, wire, np.random.default_rng(0)))
+    assert np.abs(dots[0] - [10.33 / 0.15, 7.71 / 0.12]).max() < 0.2

@@ -159,3 +159,28 @@ def test_linear_methods_are_igsios_in_double_precision_the_average_before_it_rou
     off = np.abs(result.intensity.array - emulated)[weight > 0]
     assert 0.4 < (off <= 2).mean() < 0.7
     assert 2.0 < off.mean() < 3.0
+
+
+def test_the_hole_filling_of_the_configuration_is_done(spine):
+    assert spine.sequence.configuration.holes == (HoleFilling("stick", 9),)
+    result, unfilled = (
+        reconstruct(spine.sequence, ReconstructionSettings(output_type="float32", holes=holes), grid=spine.grid) for holes in (None, "off")
+    )
+    values, mask = unfilled.intensity.array, unfilled.mask.array
+    fill_holes_by_kind(values, mask, (HoleFilling("stick", 9),))
+    np.testing.assert_array_equal(result.intensity.array, values)
+    np.testing.assert_array_equal(result.mask.array, mask)
+
+
+def test_the_bone_surface_lies_where_the_frames_of_a_linear_probe_show_it(real_data):
+    """The brightest pixels of the real bone, frame by frame, are bright in the volume at their place in Reference."""
+    sequence = read_sequence(real_data("BoneUltrasound_L14.igs.mha"), config=real_data("BoneUltrasound_L14_config.xml"))
+    assert sequence.configuration.probe.kind == "linear"
+    result = reconstruct(sequence, ReconstructionSettings(hole_limit=0.0, method="maximum", spacing=0.3))
+    assert result.frames_inserted == 21
+    poses = sweep_poses(sequence).image_to_reference
+    for number in (0, 10, 20):
+        image = sequence.images[number]
+        row, column = np.unravel_index(np.argmax(image), image.shape)
+        i, j, k, _ = np.floor(result.grid.reference_to_ijk @ poses[number] @ (column, row, 0, 1) + 0.5).astype(int)
+        assert result.intensity.array[k, j, i] >= image[row, column]
