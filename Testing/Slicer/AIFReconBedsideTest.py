@@ -55,6 +55,16 @@ class AIFReconBedsideTest(OpenPanel):
         self.assertEqual(self.levels()[1], "good")
         self.assertFalse(self.ui.sampleButton.isVisibleTo(self.widget.parent))
 
+    def test_a_sample_that_is_canceled_leaves_the_scene_as_it_was(self):
+        from AIFReconScene.volumes import phantomSample
+
+        before = tinyScene.nodeIDs()
+        small = partial(phantomSample.loadPhantom, frames=9)
+        with unittest.mock.patch.object(phantomSample, "loadPhantom", small):
+            for share in (0.5, 0.97):
+                self.pressAnd(self.ui.sampleButton, phantomSample, "loadPhantom", share, lambda: self.widget._work.cancel())
+                self.assertEqual(tinyScene.nodeIDs(), before)
+
     def test_a_thin_scan_of_the_sample_says_that_it_is_thin(self):
         from AIFReconScene.volumes import phantomSample
 

@@ -131,33 +131,25 @@ class AIFReconGuidanceTest(OpenPatient):
         self.assertEqual(annotation.GetText(2), text[3:])
         self.assertGreaterEqual(annotation.GetMaximumLineHeight() * 250, annotation.GetMaximumFontSize())
 
-    def test_the_ghost_stands_where_the_move_leads(self):
+    def test_the_ghost_stands_where_the_move_leads_the_ct_takes_its_colors_along_and_without_the_box_nothing_is_left(self):
+        from AIFReconScene.display.boneColors import BoneColors
+
+        display, ct = self.nodes.segmentation.GetDisplayNode(), self.nodes.ct
+        changed = ct.GetMTime(), ct.GetDisplayNode().GetMTime()
         self.setToldBox()
+        self.assertEqual((ct.GetMTime(), ct.GetDisplayNode().GetMTime()), changed)
         move, columns = self.widget._guidance._shown.move, self.parameters.liveImage.GetImageData().GetDimensions()[0]
         least, most = tinyScene.boundsOf(self.model("Advised probe")).T
         face = move.image_to_reference @ [columns / 2, 40.0, 0.0, 1.0]
         self.assertTrue((least <= face[:3]).all() and (face[:3] <= most).all())
         self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
-
-    def test_segments_are_not_drawn_in_3d_under_the_colors_and_come_back_also_where_another_session_hid_them(self):
-        from AIFReconScene.display.boneColors import BoneColors
-
-        display = self.nodes.segmentation.GetDisplayNode()
-        self.setToldBox()
+        before = tinyScene.boundsOf(self.model())
+        tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(0.0, 0.0, 50.0) @ tinyScene.matrixOf(self.nodes.ctToReference))
+        np.testing.assert_allclose(tinyScene.boundsOf(self.model()) - before, [[0, 0], [0, 0], [50, 50]], atol=1e-3)
+        # Segments are not drawn in 3D under the colors, and come back, also where another session hid them
         self.assertEqual((display.GetVisibility3D(), display.GetVisibility()), (0, 1))
         BoneColors().clear()
         self.assertTrue(display.GetVisibility3D())
-
-    def test_nothing_is_drawn_into_the_nodes_of_ct_and_segmentation(self):
-        segmentation, ct = self.nodes.segmentation, self.nodes.ct
-        nodes = [ct, *(ct.GetNthDisplayNode(n) for n in range(ct.GetNumberOfDisplayNodes()))]
-        before = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
-        self.setToldBox()
-        after = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
-        self.assertEqual(after, before)
-
-    def test_without_the_box_nothing_is_left(self):
-        self.setToldBox()
         self.assertTrue(self.own())
         self.setBox(False)
         self.waitUntil(lambda: not self.own())
@@ -172,13 +164,6 @@ class AIFReconGuidanceTest(OpenPatient):
         with mock.patch.object(ProgressDialog, "__call__", return_value=False):
             self.setBox()
         self.assertEqual(self.own(), [])
-
-    def test_the_ct_takes_its_colors_along(self):
-        self.setToldBox()
-        before = tinyScene.boundsOf(self.model())
-        motion = tinyScene.moved(0.0, 0.0, 50.0)
-        tinyScene.setMatrix(self.nodes.ctToReference, motion @ tinyScene.matrixOf(self.nodes.ctToReference))
-        np.testing.assert_allclose(tinyScene.boundsOf(self.model()) - before, [[0, 0], [0, 0], [50, 50]], atol=1e-3)
 
     def test_without_a_ct_the_echoes_tell_what_was_hit_and_where_to_go(self):
         self.parameters.bone = None
@@ -203,12 +188,6 @@ class AIFReconGuidanceTest(OpenPatient):
 
     # ---- a scan
 
-    def test_a_scan_colors_the_bone_and_says_the_next_move(self):
-        self.start()
-        self.playUntil(lambda: self.colored() and self.live._advised and self.ui.guidanceMoveLabel.text == self.live._advised)
-        self.assertIn("%", self.ui.guidanceTableLabel.text)
-        self.assertIsNotNone(self.model("Advised probe"))
-
     def test_a_scan_without_a_ct_colors_the_bone_of_its_echoes_and_says_the_next_move(self):
         from AIFReconScene.inputs.boneSource import BoneSource
 
@@ -224,9 +203,11 @@ class AIFReconGuidanceTest(OpenPatient):
         self.playUntil(lambda: self.colored() and "looks where paths were not seen" in self.ui.guidanceLabel.text)
         self.assertIn("%", self.ui.guidanceTableLabel.text)
 
-    def test_what_a_scan_has_met_is_still_seen_when_it_is_over(self):
+    def test_a_scan_colors_the_bone_and_says_the_next_move_and_what_it_has_met_is_still_seen_when_it_is_over(self):
         self.start()
-        self.playUntil(lambda: self.colored() and self.live._advised)
+        self.playUntil(lambda: self.colored() and self.live._advised and self.ui.guidanceMoveLabel.text == self.live._advised)
+        self.assertIn("%", self.ui.guidanceTableLabel.text)
+        self.assertIsNotNone(self.model("Advised probe"))
         self.ui.liveStopButton.click()
         self.assertTrue(self.colored())
         slicer.app.processEvents()

@@ -12,8 +12,6 @@ from openPanel import OpenPanel
 class AIFReconLifecycleTest(OpenPanel):
     """The panel beside a scene that changes."""
 
-    # ---- scenes
-
     # ---- nodes that go
 
     def test_every_chosen_node_can_be_deleted(self):
@@ -40,7 +38,7 @@ class AIFReconLifecycleTest(OpenPanel):
         self.addInputs()
         pose = tinyScene.warp(self.parameters.sweep)
         self.assertFalse(self.ui.applyButton.enabled)
-        self.assertIn("Warp", self.ui.applyButton.toolTip)
+        self.assertRegex(self.ui.applyButton.toolTip, "Warp.* must be linear.*Harden it")
         pose.SetAndObserveTransformNodeID(None)
         self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
 

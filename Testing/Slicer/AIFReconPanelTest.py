@@ -91,8 +91,6 @@ class AIFReconPanelTest(OpenPanel):
         self.assertEqual(slicer.mrmlScene.GetNumberOfNodes(), before)
         self.assertIsNone(self.parameters.bone)
 
-    # ---- what can be pressed
-
     # ---- work
 
     def test_the_methods_are_compared_in_a_table(self):

@@ -80,26 +80,6 @@ def test_a_transform_moves_a_volume_in_the_view(scene, one_voxel):
     assert middle_of(shown[..., 0] > 128) == pytest.approx(pixel_of(BRIGHT_RAS + moved[:3, 3], center), abs=1.01)
 
 
-@pytest.mark.usefixtures("opengl")
-def test_beams_are_drawn_in_a_slice_that_lies_in_the_plane_of_their_frame(scene):
-    from AIFReconScene.display.probeOverlay import ProbeOverlay
-    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
-
-    from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-    from AIFReconLib.imaging.beams import ProbeGeometry
-    from AIFReconLib.imaging.region import ImageRegion
-    from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
-
-    flat = TransformSample(np.diag([0.5, 0.5, 0.5, 1.0]), TransformStatus.OK)
-    record = FrameRecord(0.0, None, TransformStatus.OK, {TransformName("Image", "Reference"): flat})
-    browser = browserFromSequence(TrackedSequence(np.full((1, 101, 121), 9, np.uint8), [record]), "Sweep")
-    ProbeOverlay().showProbe(browser, None, ProbeGeometry("linear"), ImageRegion())
-    shown = red_view(scene, (30.0, 25.0, 0.0)).astype(int)
-    drawn = shown[..., 2] - shown[..., 0] > 100
-    rows = np.flatnonzero(drawn[:, SIZE // 2 - 3 : SIZE // 2 + 3].any(axis=1))
-    assert len(rows) > 90  # the beam in the middle, 50 mm long
-
-
 @pytest.mark.parametrize(
     ("direction", "letters"),
     [((-2, 0, 0), "L"), ((0, 0, 1), "S"), ((0, -1, 0), "P"), ((0.9, 0.5, 0), "RA"), ((0.95, -0.3, 0), "R"), ((0.3, 0.5, -0.8), "IA")],
