@@ -10,7 +10,7 @@ import numpy as np
 import slicer
 import tinyScene
 from openPanel import OpenPanel
-from simulatedPatient import FRAMES, addPatient, wronglyCalibrated
+from simulatedPatient import FRAMES, addPatient
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -214,26 +214,15 @@ class AIFReconBedsideTest(OpenPanel):
         self.assertFalse(picture.opacitySliderWidget.isVisibleTo(self.widget.parent))
         self.assertFalse(picture.boneOutlinesCheckBox.isVisibleTo(self.widget.parent))
 
-    def calibrated(self, off: float) -> str:
-        """What the light *Calibration* says of a patient whose images lie so many mm off, out of their plane."""
-        slicer.mrmlScene.Clear()
-        addPatient(sweep=wronglyCalibrated(tinyScene.moved(0.0, 0.0, off)))
+    def test_a_calibration_that_agrees_is_good(self):
+        addPatient()
         self.widget.initializeParameterNode()
         self.parameters.spacing = 3.0
         self.click(self.ui.applyButton)
-        self.assertPicture()
-        self.assertEqual(self.levels()[1], "good")
         self.assertIn("being worked out", self.ui.calibrationVerdictLabel.text)
         self.waitForLights()
-        return self.ui.calibrationVerdictLabel.text
-
-    def test_a_calibration_that_agrees_is_good_and_one_that_is_off_is_told_with_the_command(self):
-        self.assertIn("agrees with this sweep within", self.calibrated(0.0))
+        self.assertIn("agrees with this sweep within", self.ui.calibrationVerdictLabel.text)
         self.assertEqual(self.levels()[3], "good")
-        said = self.calibrated(1.7)
-        self.assertEqual(self.levels()[3], "caution")
-        self.assertIn("shift out of the image -", said)
-        self.assertIn("with “Calibrate on this sweep”", said)
 
     # ---- settings
 

@@ -111,7 +111,8 @@ class AIFReconCalibrationTest(OpenPanel):
         self.ui.applyButton.click()
         self.waitForLights()
         self.assertIn("mm off", self.ui.calibrationVerdictLabel.text, self.ui.registrationLabel.text)
-        self.assertIn("with “Calibrate on this sweep”", self.ui.calibrationVerdictLabel.text)
+        self.assertRegex(self.ui.calibrationVerdictLabel.text, "shift out of the image -.*with “Calibrate on this sweep”")
+        self.assertIn("caution", self.ui.calibrationSignalLabel.text)
         self.assertTrue(self.ui.calibrateButton.visible)
         told = {name: getattr(self.ui, f"{name}VerdictLabel").text for name in ("tracking", "registration", "calibration")}
         self.calibrate()

@@ -206,10 +206,6 @@ class AIFReconImportTest(OpenPanel):
         recorded.SetName("ImageToReference")
         self.assertIn("11 of 12 frames have a position", self.panel.sweepStatusLabel.text)
         self.assertTrue(self.panel.applyButton.enabled)
-        recorded.SetName("S")
-        self.assertFalse(self.panel.applyButton.enabled)
-        browser.GetProxyNode(recorded).SetName("ImageToReference")
-        self.assertTrue(self.panel.applyButton.enabled)
 
 
 def placeAndTurn(pose):

@@ -52,7 +52,7 @@ class AIFReconLiveSceneTest(OpenPanel):
 
     # ---- what is given back
 
-    def test_the_red_view_shows_again_what_it_showed(self):
+    def test_the_red_view_lies_in_the_frame_and_then_shows_again_what_it_showed(self):
         ct, _bone, _registration = tinyScene.addCT()
         self.composite().SetBackgroundVolumeID(ct.GetID())
         red = self.sliceWidget().mrmlSliceNode()
@@ -60,8 +60,14 @@ class AIFReconLiveSceneTest(OpenPanel):
         scale = tinyScene.scaleOf(red)
         place = tinyScene.placeOf(red)
         self.begin(box=False)
-        self.assertEqual(self.composite().GetBackgroundVolumeID(), self.live._live._views.frameNode.GetID())
+        frame = self.live._live._views.frameNode
+        self.assertEqual(self.composite().GetBackgroundVolumeID(), frame.GetID())
+        toFrame = np.linalg.inv(tinyScene.ijkToRAS(frame)) @ tinyScene.placeOf(red)
+        np.testing.assert_allclose(toFrame[:, 3], [31.5, 39.5, 0.0, 1.0], atol=1e-6)
+        np.testing.assert_allclose(toFrame[2, :2], 0.0, atol=1e-6)
+        self.assertTrue(red.GetSliceVisible())
         self.ui.liveStopButton.click()
+        self.assertFalse(red.GetSliceVisible())
         self.assertEqual(self.composite().GetBackgroundVolumeID(), ct.GetID())
         np.testing.assert_allclose(tinyScene.placeOf(red), place, atol=1e-9)
         self.assertAlmostEqual(tinyScene.scaleOf(red), scale)

@@ -156,30 +156,12 @@ class AIFReconPictureTest(OpenPanel):
         """Whether the probe's side is up in a slice view, the last of which is the green one."""
         return self.sliceWidget(name).mrmlSliceNode().GetOrientation().endswith("ProbeUp")
 
-    def showNames(self):
-        """Set the box; the green view is the last to get its names."""
-        self.picture._ui.showLevelsCheckBox.click()
-        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is not None)
-
     def namesIn(self, name):
         """Names that are written into a slice view."""
         node = slicer.mrmlScene.GetFirstNodeByName(f"Levels {name}")
         return [] if node is None else [node.GetNthControlPointLabel(number) for number in range(node.GetNumberOfControlPoints())]
 
-    def test_a_level_is_named_in_the_slices_near_its_middle_and_nowhere_after_that(self):
-        self.parameters.ctVolume, bone, _registration = tinyScene.addCT()
-        bone.GetSegmentation().GetNthSegment(0).SetName("L3")
-        self.parameters.bone = bone
-        self.showNames()
-        green = self.sliceWidget("Green").mrmlSliceNode()
-        for away, names in ((0.0, ["L3"]), (60.0, [])):
-            with self.subTest(away=away):
-                green.JumpSliceByCentering(0.0, tinyScene.FACE + 4.0 + away, 0.0)
-                self.assertEqual(self.namesIn("Green"), names)
-        self.picture._ui.showLevelsCheckBox.click()
-        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None)
-
-    def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place(self):
+    def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place_in_the_slices_near_it_and_nowhere_after_that(self):
         ct, bone, registration = tinyScene.addCT()
         labels = np.zeros((40, 50, 50), np.uint8)
         for value, i in ((1, 10), (2, 30)):
@@ -191,7 +173,9 @@ class AIFReconPictureTest(OpenPanel):
         for number, name in enumerate(("L3", "L4")):
             bone.GetSegmentation().GetNthSegment(number).SetName(name)
         self.parameters.bone = bone
-        self.showNames()
+        self.picture._ui.showLevelsCheckBox.click()
+        # The last to get its names
+        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is not None)
         green = self.sliceWidget("Green").mrmlSliceNode()
         middles = [tinyScene.CT_TO_WORLD @ tinyScene.ijkToRAS(ct) @ [i + 2.5, 24.5, 19.5, 1.0] for i in (10, 30)]
         green.JumpSliceByCentering(*(middles[0] + middles[1])[:3] / 2)
@@ -201,6 +185,10 @@ class AIFReconPictureTest(OpenPanel):
         for number, middle in enumerate(middles):
             place = np.array(node.GetNthControlPointPosition(number))
             np.testing.assert_allclose(np.cross(place - middle[:3], normal), 0.0, atol=1e-3)
+        green.JumpSliceByCentering(0.0, tinyScene.FACE + 64.0, 0.0)
+        self.assertEqual(self.namesIn("Green"), [])
+        self.picture._ui.showLevelsCheckBox.click()
+        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None)
 
     # ---- report
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from . import view_frames
+
 PANEL_WIDTH = 400
 PROGRESS_AT = 0.45
 """Share of the work at which the dialog is pictured."""
@@ -20,7 +22,7 @@ BESIDE = (340, 300)
 
 def empty(module, folder: Path) -> None:
     """step-1-empty.png: the panel in an empty scene, with the reason why nothing can be reconstructed."""
-    _write(_panel(module), folder / "step-1-empty.png")
+    view_frames.write_png(_panel(module), folder / "step-1-empty.png")
 
 
 def imported(module, folder: Path) -> None:
@@ -32,7 +34,6 @@ def imported(module, folder: Path) -> None:
     from scipy.spatial.transform import Rotation
 
     from AIFReconLib.sweep.poses import sweep_poses
-    from host import view_frames
 
     sequence, importer = sequenceFromBrowser(module.parameters.sweep), module.widget._recorded.importer
     poses = sweep_poses(sequence).image_to_reference
@@ -66,8 +67,6 @@ def registration(module, folder: Path) -> None:
     """step-registration.png: a CT that lies 9 mm off is checked, then placed: the section, and the echoes in a slice and in 3D."""
     import numpy as np
     import slicer
-
-    from host import view_frames
 
     ui, parameters = module.widget.ui, module.parameters
     transform = parameters.bone.GetParentTransformNode()
@@ -105,8 +104,6 @@ def _echoes_in_3d(module):
 
 def guidance(module, folder: Path) -> None:
     """step-guidance.png: the bone in the colors of how the sweep met it, with the ghost of the probe, and what the panel says of it."""
-    from host import view_frames
-
     ui = module.widget.ui
     ui.coverageMoreButton.checked = True
     ui.guidanceCheckBox.click()
@@ -123,8 +120,6 @@ def guidance(module, folder: Path) -> None:
 
 def settings(module, folder: Path) -> None:
     """step-3-settings.png: the settings, all opened, in two columns."""
-    from host import view_frames
-
     ui = module.widget.ui
     groups = [ui.displayGroupBox, ui.volumeGroupBox, ui.volumeAdvancedGroupBox, ui.advancedGroupBox, ui.boneAdvancedGroupBox]
     groups += [ui.imageAdvancedGroupBox, ui.loadGroupBox, ui.compareGroupBox, ui.settingsCollapsibleButton]
@@ -134,7 +129,7 @@ def settings(module, folder: Path) -> None:
     whole = _panel(module)
     margin, middle, end = _top(module, ui.settingsCollapsibleButton), _top(module, ui.boneAdvancedGroupBox) - 4, whole.height()
     columns = [whole.copy(0, top, PANEL_WIDTH, bottom - top) for top, bottom in ((margin, middle), (middle, end))]
-    _write(view_frames.tiled([columns], background=_background(module)), folder / "step-3-settings.png")
+    view_frames.write_png(view_frames.tiled([columns], background=_background(module)), folder / "step-3-settings.png")
     for group in groups:
         group.collapsed = True
 
@@ -142,8 +137,6 @@ def settings(module, folder: Path) -> None:
 def progress(module, folder: Path) -> None:
     """step-4-progress.png: the dialog during the reconstruction, which this starts."""
     from PySide6 import QtWidgets
-
-    from host import view_frames
 
     pictures: list = []
 
@@ -155,13 +148,11 @@ def progress(module, folder: Path) -> None:
     module.host.dialogs.on_progress = look
     module.press(module.widget.ui.applyButton)
     module.host.dialogs.on_progress = None
-    _write(pictures[0], folder / "step-4-progress.png")
+    view_frames.write_png(pictures[0], folder / "step-4-progress.png")
 
 
 def result(module, folder: Path) -> None:
     """step-5-result.png: the volume over the CT in three planes, and rendered in 3D with the bone of the CT."""
-    from host import view_frames
-
     parameters = module.parameters
     views = {name: module.slice_view(name, SIZE) for name in ("Red", "Yellow", "Green")}
     parameters.volumeRendering = True
@@ -177,8 +168,6 @@ def compared(module, views: list, folder: Path) -> None:
     """step-7-compare.png: the methods side by side, and the table of how well each shows bone."""
     import slicer
 
-    from host import view_frames
-
     table = slicer.mrmlScene.GetNodeByID(slicer.mrmlScene.GetSingletonNode("AIFReconTable", "vtkMRMLTableViewNode").GetTableNodeID())
     width = 2 * views[0].width() + view_frames.GAP
     below = view_frames.titled(_table(table, width), table.GetName())
@@ -187,8 +176,6 @@ def compared(module, views: list, folder: Path) -> None:
 
 def live(module, views: list, folder: Path) -> None:
     """step-8-live.png: the tab Live and the views during a scan."""
-    from host import view_frames
-
     top = _top(module, module.widget.ui.tabWidget)
     whole = _panel(module)
     section = whole.copy(0, top, PANEL_WIDTH, min(whole.height() - top, views[0].height()))
@@ -196,7 +183,7 @@ def live(module, views: list, folder: Path) -> None:
 
 
 def _panel(module):
-    return module.host.picture(module.widget.parent, width=PANEL_WIDTH).toImage()
+    return module.host.picture(module.widget.parent, PANEL_WIDTH)
 
 
 def _top(module, widget) -> int:
@@ -235,9 +222,3 @@ def _table(node, width: int):
     view.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
     view.resize(width, header.minimumHeight() + sum(view.rowHeight(row) for row in range(view.rowCount())))
     return view.grab().toImage()
-
-
-def _write(picture, path: Path) -> None:
-    from host import view_frames
-
-    view_frames.write_png(picture, path)

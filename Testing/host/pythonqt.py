@@ -86,16 +86,7 @@ class Wrapper(metaclass=PythonQtMeta):
 
     def __init__(self, *args):
         native = type(self)._native
-        if native is None:
-            raise TypeError(f"{type(self).__name__} cannot be created from Python")
-        table = native.__dict__.get("api")
-        if table is not None and not (not args or (len(args) == 1 and (args[0] is None or isinstance(args[0], Wrapper)))):
-            raise ValueError(f"{type(self).__name__} can be created with a parent only; got {args!r}")
-        if (
-            isinstance(native, type)
-            and issubclass(native, QtCore.QObject)
-            and any("eventFilter" in vars(each) for each in type(self).__mro__)
-        ):
+        if issubclass(native, QtCore.QObject) and any("eventFilter" in vars(each) for each in type(self).__mro__):
             native = _filtering(native, weakref.ref(self))
         self._adopt(native(*map(unwrap, args)))
 
@@ -250,7 +241,7 @@ def wrapper_class(native: Any) -> type:
     """The wrapper class of a PySide6 class or of a stand-in; the same one every time."""
     made = native.__dict__.get("_wrapper_class") if not native.__module__.startswith(_BUILTIN) else _MADE.get(native)
     if made is None:
-        namespace = {"_native": native, "_generated": True, "__slots__": (), "__module__": "PythonQt", **getattr(native, "extras", {})}
+        namespace = {"_native": native, "_generated": True, "__slots__": (), "__module__": "PythonQt"}
         made = PythonQtMeta(native.__name__, (Wrapper,), namespace)
         if native.__module__.startswith(_BUILTIN):
             _MADE[native] = made
@@ -273,10 +264,6 @@ def wrap(value):
         known = Wrapper._wrappers.get(id(value))
         if known is not None and known._object is value:
             return known
-        if isinstance(value, QtCore.QByteArray):
-            return value.data()
-        if value.__class__.__name__ in ("QKeyCombination",):
-            return value.toCombined()
         made = object.__new__(wrapper_class(type(value)))
         made._adopt(value)
         return made

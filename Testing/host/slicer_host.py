@@ -168,9 +168,6 @@ class SlicerHost:
         slicer.util.selectModule(name)
         return getattr(slicer.modules, f"{name}Widget", None)
 
-    def unload_module(self, name: str) -> None:
-        self._modules.unload_module(self._application, name)
-
     def run(self) -> int:
         """Runs until the application is closed: by the window, or by `slicer.util.exit`; returns the exit status.
 
@@ -181,7 +178,7 @@ class SlicerHost:
 
     def _unload_modules(self) -> None:
         for name in reversed(list(self._application.moduleManager().loaded)):
-            self.unload_module(name)
+            self._modules.unload_module(self._application, name)
 
     # ---- tests
 
@@ -215,13 +212,6 @@ class SlicerHost:
         self.process_events()
         self.take_slot_errors()
 
-    def grab(self, widget, path, width: int | None = None, height: int | None = None):
-        """Writes a picture of a widget as PNG, one image pixel per screen pixel; returns its size. Parameters as of `picture`."""
-        picture = self.picture(widget, width, height)
-        if not picture.save(str(path), "PNG"):
-            raise OSError(f"cannot write {path}")
-        return picture.width(), picture.height()
-
     def take_out(self, widget):
         """Takes a module's panel out of the main window, if it is there, so that it can be given any size; returns it as Qt has it."""
         from .pythonqt import unwrap
@@ -231,34 +221,22 @@ class SlicerHost:
             self._application.window.panel.put(None)
         return native
 
-    def picture(self, widget, width: int | None = None, height: int | None = None):
-        """A picture of a widget, a QPixmap.
-
-        Parameters
-        ----------
-        widget : Wrapper or QWidget
-        width, height : int, optional
-            Pixels; by default the widget's present width, and the height that its contents need at that width.
-        """
+    def picture(self, widget, width: int):
+        """A picture, a QImage, of a widget of so many pixels and of the height that its contents need at that width."""
         native = self.take_out(widget)
         native.ensurePolished()
-        width = width or native.width()
         native.resize(width, native.height())
         native.show()
         self.process_events()
-        layout = native.layout()
-        wanted = layout.totalHeightForWidth(width) if layout is not None and layout.hasHeightForWidth() else native.sizeHint().height()
-        native.resize(width, height or max(wanted, 1))
+        native.resize(width, native.layout().totalHeightForWidth(width))
         self.process_events()
-        return native.grab()
+        return native.grab().toImage()
 
     def close(self) -> None:
         atexit.unregister(self.close)
         if self._application is None:
             return
-        for name, module in list(self._application.moduleManager().loaded.items()):
-            if isinstance(module, self._modules.qSlicerScriptedLoadableModule):
-                self.unload_module(name)
+        self._unload_modules()
         self.process_events()
         import shiboken6
         from PySide6 import QtCore

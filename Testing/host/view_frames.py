@@ -139,19 +139,10 @@ def tiled(rows: list[list[QtGui.QImage]], background: int = 48) -> QtGui.QImage:
     return whole
 
 
-def write_png(picture: QtGui.QImage, path) -> int:
-    """Writes a picture as small as PNG gets; returns the bytes. OSError where it cannot be written."""
-    from pathlib import Path
-
-    buffer = QtCore.QBuffer()
-    buffer.open(QtCore.QIODevice.OpenModeFlag.WriteOnly)
-    writer = QtGui.QImageWriter(buffer, b"png")
-    writer.setCompression(100)
-    if not writer.write(picture):
-        raise OSError(f"cannot write {path}: {writer.errorString()}")
-    data = bytes(buffer.data())
-    Path(path).write_bytes(data)
-    return len(data)
+def write_png(picture: QtGui.QImage, path) -> None:
+    """Writes a picture as small as PNG gets. OSError where it cannot be written."""
+    if not picture.save(str(path), "PNG", 0):  # type: ignore[call-overload]
+        raise OSError(f"cannot write {path}")
 
 
 def _font(painter, pixel_size: int, bold: bool = False) -> None:

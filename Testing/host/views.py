@@ -12,24 +12,22 @@ import types
 import slicer
 import vtk
 from PySide6 import QtCore, QtWidgets
-from PySide6.QtCore import Property, Signal
+from PySide6.QtCore import Property
+
+from .node_combo_box import kept
 
 
 class ctkVTKAbstractView(QtWidgets.QWidget):
     """What a view draws into; nothing is drawn."""
 
-    maximumUpdateRate = Property(float, lambda self: self._rate, lambda self, rate: setattr(self, "_rate", rate))
-
-    def __init__(self):
-        super().__init__()
-        self._rate = 60.0
+    maximumUpdateRate = kept("maximumUpdateRate", float, 60.0)
 
 
 class qMRMLSliceWidget(QtWidgets.QWidget):
     """A slice view: its node and logic are real, nothing is drawn."""
 
     api = {
-        "methods": (*("sliceLogic", "sliceView", "mrmlSliceNode", "mrmlSliceCompositeNode", "pauseRender", "resumeRender"),),
+        "methods": (*("sliceLogic", "sliceView", "mrmlSliceNode", "mrmlSliceCompositeNode"),),
     }
 
     def __init__(self, logic):
@@ -48,11 +46,6 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
 
     def mrmlSliceCompositeNode(self):
         return self._logic.GetSliceCompositeNode()
-
-    def pauseRender(self):
-        """Does nothing: nothing is drawn."""
-
-    resumeRender = pauseRender
 
 
 class qMRMLThreeDView(ctkVTKAbstractView):
@@ -109,7 +102,7 @@ class qMRMLThreeDView(ctkVTKAbstractView):
 class qMRMLThreeDWidget(QtWidgets.QWidget):
     """A 3D view under its bar."""
 
-    api = {"methods": ("mrmlViewNode", "threeDView", "pauseRender", "resumeRender")}
+    api = {"methods": ("mrmlViewNode", "threeDView")}
 
     def __init__(self, node):
         super().__init__()
@@ -120,11 +113,6 @@ class qMRMLThreeDWidget(QtWidgets.QWidget):
 
     def threeDView(self):
         return self._view
-
-    def pauseRender(self):
-        """Does nothing: nothing is drawn."""
-
-    resumeRender = pauseRender
 
 
 def cameraOf(viewNode):
@@ -234,10 +222,8 @@ class qSlicerLayoutManager(QtCore.QObject):
     """The views: nodes and logics are real, nothing is drawn."""
 
     api = {
-        "methods": (*("sliceWidget", "sliceViewNames", "threeDWidget", "setLayout", "pauseRender", "resumeRender"),),
-        "signals": {"layoutChanged(int)": "layoutChanged"},
+        "methods": (*("sliceWidget", "sliceViewNames", "threeDWidget", "setLayout"),),
     }
-    layoutChanged = Signal(int)
 
     def __init__(self, mrml) -> None:
         super().__init__()
@@ -305,37 +291,20 @@ class qSlicerLayoutManager(QtCore.QObject):
         return [name for name, logic in self._logics().items() if logic.GetSliceNode().IsMappedInLayout()]
 
     def sliceWidget(self, name):
-        logic = self._logics().get(name)
-        if logic is None:
-            return None
+        logic = self._logics()[name]
         if name not in self._widgets or self._widgets[name].sliceLogic() is not logic:
             self._widgets[name] = qMRMLSliceWidget(logic)
         return self._widgets[name]
 
-    def threeDWidget(self, which):
-        """A 3D view by number, among those that the layout shows, or by name; None where there is no such view."""
-        nodes = [node for node in self._viewNodes() if node.IsMappedInLayout()]
-        if not isinstance(which, str):
-            node = nodes[which] if 0 <= which < len(nodes) else None
-        else:
-            node = next((each for each in self._viewNodes() if each.GetLayoutName() == which), None)
-        if node is None:
-            return None
+    def threeDWidget(self, number):
+        """A 3D view, among those that the layout shows."""
+        node = [node for node in self._viewNodes() if node.IsMappedInLayout()][number]
         if self._widgets.get(node.GetID()) is None or self._widgets[node.GetID()].mrmlViewNode() is not node:
             self._widgets[node.GetID()] = qMRMLThreeDWidget(node)
         return self._widgets[node.GetID()]
 
     def setLayout(self, layout):
         self._node().SetViewArrangement(layout)
-        self.layoutChanged.emit(layout)
-
-    def pauseRender(self):
-        """Does nothing: nothing is drawn."""
-
-    def resumeRender(self):
-        """Does nothing: nothing is drawn."""
 
     layout = Property(int, lambda self: self._node().GetViewArrangement(), setLayout)
     threeDViewCount = Property(int, lambda self: len([node for node in self._viewNodes() if node.IsMappedInLayout()]))
-    tableViewCount = Property(int, lambda self: 0)
-    plotViewCount = Property(int, lambda self: 0)
