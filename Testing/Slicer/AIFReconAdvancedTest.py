@@ -94,11 +94,6 @@ class AIFReconAdvancedTest(OpenPanel):
 
     # ---- what does not go together
 
-    def test_the_hole_limit_is_automatic_until_it_is_set(self):
-        self.assertEqual(self.ui.holeLimitSpinBox.text, "automatic")
-        self.ui.holeLimitSpinBox.value = 0.0
-        self.assertNotEqual(self.ui.holeLimitSpinBox.text, "automatic")
-
     def test_methods_are_not_compared_with_what_only_some_of_them_can_do(self):
         self.addInputs()
         self.choose(self.ui.methodComboBox, "average")

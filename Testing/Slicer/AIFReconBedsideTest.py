@@ -118,10 +118,8 @@ class AIFReconBedsideTest(OpenPanel):
         )
         slicer.mrmlScene.Clear()
         said = []
-        self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
         for path in paths:
-            self.widget._recorded._ask = lambda path=path: [path]
-            self.ui.openButton.click()
+            self.open(path)
             said.append(self.ui.statusLabel.text.splitlines()[0])
         self.assertEqual(said[0], "Opened place.tfm. place is taken for the place of the CT that is opened next.")
         self.assertEqual(said[1], "Opened CT.nrrd. The CT lies where place says.")

@@ -180,17 +180,6 @@ class AIFReconImportTest(OpenPanel):
         self.panel.applyButton.click()
         self.assertIsNotNone(self.parameters.output)
 
-    def test_a_sweep_whose_images_show_no_rectangle_leaves_the_fields_as_they_are(self):
-        from AIFReconScene.inputs.boxes import clipAsRecognized
-        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
-
-        sequence = tinyScene.makeSequence()
-        sequence.images[:] = 77
-        self.parameters.sweep, self.parameters.clipWidth = browserFromSequence(sequence, "Bright"), 12.0
-        with self.assertRaisesRegex(Exception, "black surround"):
-            clipAsRecognized(self.parameters)
-        self.assertEqual(self.parameters.clipWidth, 12.0)
-
     def test_a_renamed_transform_is_known_at_once(self):
         browser = tinyScene.addSweep()
         image = browser.GetProxyNode(browser.GetMasterSequenceNode())

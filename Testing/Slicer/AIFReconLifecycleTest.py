@@ -85,6 +85,9 @@ class AIFReconLifecycleTest(OpenPanel):
         segmentIDs = list(self.parameters.bone.GetSegmentation().GetSegmentIDs())
         self.parameters.bone.GetSegmentation().AddEmptySegment("extra", "Extra")
         self.parameters.boneSegments = segmentIDs
+        combo = self.ui.segmentsComboBox
+        checked = [combo.itemText(index.row()) for index in combo.checkedIndexes()]
+        self.assertEqual((combo.count, checked), (2, [self.parameters.bone.GetSegmentation().GetNthSegment(0).GetName()]))
         other = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLSegmentationNode", "Other")
         for segmentID in (*segmentIDs, "third"):
             other.GetSegmentation().AddEmptySegment(segmentID)

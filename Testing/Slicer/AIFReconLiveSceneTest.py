@@ -79,22 +79,6 @@ class AIFReconLiveSceneTest(OpenPanel):
         self.assertEqual(slicer.mrmlScene.GetNodesByName("Live frame").GetNumberOfItems(), 0)
         self.assertFalse(self.ui.liveStopButton.enabled)
 
-    # ---- nodes that go
-
-    def test_a_volume_that_is_deleted_during_the_scan_is_made_anew(self):
-        self.begin()
-        volume = self.grow()
-        slicer.mrmlScene.RemoveNode(volume)
-        self.assertIsNot(self.grow(), volume)
-        self.waitUntil(lambda: self.parameters.output is self.live._live.volumeNode)
-
-    def test_a_frame_that_is_deleted_is_shown_again(self):
-        self.begin()
-        slicer.mrmlScene.RemoveNode(self.live._live._views.frameNode)
-        self.assertIsNone(self.live._live._views.frameNode)
-        self.waitUntil(lambda: self.live._live._views.frameNode is not None)
-        self.assertEqual(self.composite().GetBackgroundVolumeID(), self.live._live._views.frameNode.GetID())
-
     # ---- without the panel
 
     def test_a_scan_goes_on_while_another_module_is_open(self):

@@ -68,9 +68,9 @@ class AIFReconLiveSoakTest(OpenPanel):
         """What a user does meanwhile: pauses, empties the volume, deletes what is shown."""
         scan = self.scan()
         if turn % 4 == 0:
-            scan.pause(True)
+            self.ui.livePauseButton.checked = True
             self.update()
-            scan.pause(False)
+            self.ui.livePauseButton.checked = False
         elif turn % 4 == 3:
             # Two images before anybody looks: the first is replaced, and counted
             self.change()
@@ -104,9 +104,13 @@ class AIFReconLiveSoakTest(OpenPanel):
             if number % LOOK_EVERY == 0:
                 looks.append(self.look())
         live = self.scan()
+        # What was deleted was made anew, and is shown
+        self.assertEqual(self.composite().GetBackgroundVolumeID(), live._views.frameNode.GetID())
+        self.assertIs(self.parameters.output, live.volumeNode)
         self.ui.liveStopButton.click()
         statistics = live.statistics
         self.assertEqual(self.updates, statistics.frames_received + statistics.dropped_images)
         self.assertEqual(statistics.frames_received, statistics.inserted + statistics.frames_skipped)
         self.assertGreater(statistics.dropped_images, 0)
+        self.assertGreater(statistics.skipped["paused"], 0)
         self.assertEqual(len(set(looks[len(looks) // 2 :])), 1, looks)

@@ -36,16 +36,6 @@ class AIFReconPanelTest(OpenPanel):
         self.assertFalse(self.ui.applyButton.enabled)
         self.assertIn("import my_methods in the Python console", self.ui.statusLabel.text)
 
-    def test_only_the_chosen_segments_are_bone(self):
-        self.addInputs()
-        segmentation = self.parameters.bone.GetSegmentation()
-        segmentation.AddEmptySegment("extra", "Extra")
-        self.parameters.boneSegments = ["extra"]
-        combo = self.ui.segmentsComboBox
-        names = [combo.itemText(row) for row in range(combo.count)]
-        checked = [index.row() for index in combo.checkedIndexes()]
-        self.assertEqual([names[row] for row in checked], ["Extra"])
-
     # ---- bone of a CT that nobody has segmented
 
     def addBareCT(self, hounsfield=True):

@@ -77,11 +77,6 @@ def assert_equal(found: BoneMap, expected: BoneMap) -> None:
 # ---- bone
 
 
-def test_a_segmentation_gives_the_bone_map_of_its_labels(scene):
-    expected = BoneMap.from_labels(Volume(ball_labels(), CT_MATRIX), sigma_voxels=1.5)
-    assert_equal(bone_of(segmentation_node(scene, {"L3": ball_labels()}), sigmaVoxels=1.5), expected)
-
-
 @pytest.mark.parametrize("kind", ["segmentation", "labelmap", "probability"])
 def test_a_ct_under_a_transform_lies_where_the_registration_puts_it_in_millimeters(scene, kind):
     made = {
