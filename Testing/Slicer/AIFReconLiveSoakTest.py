@@ -2,7 +2,6 @@
 
 import threading
 import time
-from typing import NamedTuple
 from unittest import mock
 
 import numpy as np
@@ -11,14 +10,6 @@ import tinyScene
 from openPanel import OpenPanel
 
 FRAMES, LOOK_EVERY, DISTURB_EVERY = 400, 100, 40
-
-
-class Look(NamedTuple):
-    """What there is, once nothing is under way."""
-
-    nodes: int
-    observers: int
-    threads: int
 
 
 class AIFReconLiveSoakTest(OpenPanel):
@@ -81,8 +72,8 @@ class AIFReconLiveSoakTest(OpenPanel):
                 slicer.mrmlScene.RemoveNode(each)
         self.update()
 
-    def look(self) -> Look:
-        """What the scene and this process hold; what was deleted comes back with the images that follow."""
+    def look(self) -> tuple:
+        """How many nodes and observers there are, and threads; what was deleted comes back with the images that follow."""
         scan, scene, end = self.scan(), slicer.mrmlScene, time.monotonic() + 300.0
         while (scan._views.frameNode is None or scan.volumeNode is None) and time.monotonic() < end:
             self.update()
@@ -93,7 +84,7 @@ class AIFReconLiveSoakTest(OpenPanel):
         for _ in range(5):
             threads.append(threading.active_count())
             time.sleep(0.01)
-        return Look(len(nodes), observers, min(threads))
+        return len(nodes), observers, min(threads)
 
     def test_a_long_scan_leaves_nothing_behind_and_accounts_for_every_image(self):
         looks = []

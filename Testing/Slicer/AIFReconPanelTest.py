@@ -125,6 +125,14 @@ class AIFReconPanelTest(OpenPanel):
         bones = slicer.util.getNodesByClass("vtkMRMLSegmentationNode")
         self.assertEqual([each.GetName() for each in bones if each.GetDisplayVisibility()], [self.widget._parameterNode.bone.GetName()])
         self.assertEqual((self.ui.trackingVerdictLabel.text, self.ui.registrationVerdictLabel.text), told)
+        # Both sweeps can be used
+        sweeps = slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode")
+        np.testing.assert_array_equal(*(self.reconstructed(sweep) for sweep in sweeps))
+
+    def reconstructed(self, sweep):
+        """Voxels of another volume."""
+        self.parameters.sweep, self.parameters.output = sweep, None
+        return self.applied()
 
     def test_what_was_said_goes_with_what_it_was_said_about(self):
         from AIFReconGui import sampleData

@@ -212,14 +212,3 @@ class AIFReconWorkTest(OpenPanel):
     def weighted(self) -> list:
         """What was made, without the plain echo that is kept beside it."""
         return [name for name in self.made() if "measured" not in name]
-
-    def test_a_scene_that_is_added_to_another_leaves_both_sweeps_usable(self):
-        self.addInputs(spacing=2.0)
-        tinyScene.saveAndOpenAgain(self, beside=True)
-        sweeps = slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode")
-        self.assertEqual(len(sweeps), 2)
-        volumes = []
-        for sweep in sweeps:
-            self.parameters.sweep, self.parameters.output = sweep, None
-            volumes.append(self.applied())
-        np.testing.assert_array_equal(*volumes)

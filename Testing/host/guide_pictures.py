@@ -30,24 +30,16 @@ def imported(module, folder: Path) -> None:
     import tempfile
 
     import numpy as np
+    import tinyScene
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
-    from scipy.spatial.transform import Rotation
 
-    from AIFReconLib.sweep.poses import sweep_poses
-
-    sequence, importer = sequenceFromBrowser(module.parameters.sweep), module.widget._recorded.importer
-    poses = sweep_poses(sequence).image_to_reference
-    spacing = np.linalg.norm(poses[0][:3, :2], axis=0)
-    heading = ["time", *(f"{tool}_{word}" for tool in ("Probe", "Patient") for word in ("x", "y", "z", "qx", "qy", "qz", "qw"))]
-    turns = Rotation.from_matrix(poses[:, :3, :3] / np.linalg.norm(poses[:, :3, :3], axis=1, keepdims=True)).as_quat()
-    patient = [12.0, -40.0, 95.0, 0.0, 0.0, 0.0, 1.0]
-    rows = [[50 * number, *pose[:3, 3], *turn, *patient] for number, (pose, turn) in enumerate(zip(poses, turns, strict=True))]
+    importer = module.widget._recorded.importer
     with tempfile.TemporaryDirectory() as name:
-        np.save(Path(name) / "sweep.npy", np.asarray(sequence.images))
-        (Path(name) / "tracker.csv").write_text("\n".join(",".join(map(str, row)) for row in [heading, *rows]))
+        poses = tinyScene.writeForeign(Path(name), sequenceFromBrowser(module.parameters.sweep))
+        spacing = np.linalg.norm(poses[0][:3, :2], axis=0)
         module.press(module.widget.ui.importButton)
         ui = importer._ui
-        ui.imagesLineEdit.currentPath, ui.posesLineEdit.currentPath = str(Path(name) / "sweep.npy"), str(Path(name) / "tracker.csv")
+        ui.imagesLineEdit.currentPath, ui.posesLineEdit.currentPath = str(Path(name) / "images.npy"), str(Path(name) / "poses.csv")
         ui.transformComboBox.currentIndex = 1
         module.press(ui.importCheckButton)
         for question, answer in (("tool", "Probe"), ("time_unit", "ms"), ("spacing", f"{spacing[0]:.4g} {spacing[1]:.4g}")):

@@ -54,7 +54,7 @@ class PythonQtMeta(type):
     """Class attributes of wrapped classes: static methods and enumeration values."""
 
     def __getattr__(cls, name):
-        native = cls.__dict__.get("_native") or next((base.__dict__["_native"] for base in cls.__mro__ if "_native" in base.__dict__), None)
+        native = cls._native
         if native is not None and not name.startswith("_") and is_offered(native, name):
             found = getattr(native, name, None)
             if isinstance(found, enum.Enum):

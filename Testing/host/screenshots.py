@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "Testing"))
+sys.path[:0] = [str(REPOSITORY / "Testing"), str(REPOSITORY / "Testing" / "Slicer")]
 from host import guide_pictures, missing, runHost, view_frames, view_render  # noqa: E402 - the folder must be known first
 
 SPACING, HOLE_LIMIT = 0.7, 2.0
@@ -81,9 +81,7 @@ class Module:
             node.SetFieldOfView(field_of_view, field_of_view * size[1] / size[0], 1.0)
             node.SetRulerType(node.RulerTypeThin)
             pixels = view.image()
-        return view_frames.framed(
-            pixels, view_frames.slice_title(logic), node.GetLayoutColor(), view_frames.slice_names(logic), view_frames.slice_letters(node)
-        )
+        return view_frames.framed(pixels, view_frames.slice_title(logic), node.GetLayoutColor(), view_frames.slice_letters(node))
 
     def view_3d(self, title: str, size, shown, away, distance: float, beside=(0.0, 0.0, 0.0), marked: bool = False):
         """The 3D view under its bar, looking from a direction at the middle of a node, or so far beside it; RAS mm."""
@@ -98,7 +96,7 @@ class Module:
         shown.GetRASBounds(bounds)
         center = np.reshape(bounds, (3, 2)).mean(axis=1) + beside
         with view_render.OffscreenThreeDView(node, self.application, size) as view:
-            view.look(center, center + away, (0.0, 0.0, 1.0), distance)
+            view.look(center, away, distance)
             return view_frames.framed(view.image(), title, node.GetLayoutColor())
 
 

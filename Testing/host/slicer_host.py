@@ -80,7 +80,7 @@ class SlicerHost:
 
         for kind in (qSlicerApplication, modules.qSlicerScriptedLoadableModule, modules.qSlicerScriptedLoadableModuleWidget):
             setattr(slicer, kind.__name__, wrapper_class(kind))
-        self._modules, self._wrap = modules, wrap
+        self._modules = modules
         self._application.start(self.scene.host)
         self._application.aboutToQuit.connect(self._unload_modules)
         slicer.app = wrap(self._application)
@@ -155,11 +155,9 @@ class SlicerHost:
         start(self._application, [Path(path).resolve() for path in paths])
         self.raise_slot_errors()
 
-    def load_module(self, path):
-        """The application's object of a scripted module that is loaded while the application runs: its start is past."""
-        module = self._modules.instantiate(str(Path(path).resolve()))
-        self._modules.load(self._application, module)
-        return self._wrap(module)
+    def load_module(self, path) -> None:
+        """Loads a scripted module while the application runs: its start is past."""
+        self._modules.load(self._application, self._modules.instantiate(str(Path(path).resolve())))
 
     def open(self, name: str):
         """Opens a module as the user does, leaving the one that was open; returns its Python widget."""

@@ -128,10 +128,7 @@ class QUiLoader(QtUiTools.QUiLoader):
             kind = self.stand_ins.get(element.get("class"))
             if kind is None:
                 continue
-            own = set()
-            for base in kind.__mro__:
-                if not base.__module__.startswith(("PySide6", "Shiboken")):
-                    own |= {name for name, value in base.__dict__.items() if isinstance(value, QtCore.Property)}
+            own = {name for base in kind.__mro__ for name, value in vars(base).items() if isinstance(value, QtCore.Property)}
             properties = [each for each in element.findall("property") if each.get("name") in own and each.get("stdset") != "0"]
             for each in properties:
                 element.remove(each)

@@ -109,9 +109,7 @@ TAKEN_UP = {
 
 
 @pytest.mark.parametrize(("script", "counted"), TAKEN_UP.items(), ids=TAKEN_UP)
-def test_a_scan_gives_the_voxels_of_offline_and_loses_nothing_when_its_worker_is_killed(
-    script, counted, worker, request_of
-):
+def test_a_scan_gives_the_voxels_of_offline_and_loses_nothing_when_its_worker_is_killed(script, counted, worker, request_of):
     request, given = request_of(), 0
     scan, seen = worker.keep(begin_scan, request), None
     for word in script.split():
