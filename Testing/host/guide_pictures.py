@@ -156,16 +156,6 @@ def result(module, folder: Path) -> None:
     view_frames.write_png(view_frames.tiled([[views["Red"], shown], [views["Yellow"], views["Green"]]]), folder / "step-5-result.png")
 
 
-def compared(module, views: list, folder: Path) -> None:
-    """step-7-compare.png: the methods side by side, and the table of how well each shows bone."""
-    import slicer
-
-    table = slicer.mrmlScene.GetNodeByID(slicer.mrmlScene.GetSingletonNode("AIFReconTable", "vtkMRMLTableViewNode").GetTableNodeID())
-    width = 2 * views[0].width() + view_frames.GAP
-    below = view_frames.titled(_table(table, width), table.GetName())
-    view_frames.write_png(view_frames.tiled([views[:2], views[2:], [below]]), folder / "step-7-compare.png")
-
-
 def live(module, views: list, folder: Path) -> None:
     """step-8-live.png: the tab Live and the views during a scan."""
     top = _top(module, module.widget.ui.tabWidget)
@@ -191,26 +181,3 @@ def _background(module) -> int:
     from PySide6 import QtWidgets
 
     return QtWidgets.QApplication.palette().window().color().red()
-
-
-def _table(node, width: int):
-    """A table node as the table view shows it."""
-    from PySide6 import QtCore, QtWidgets
-
-    table = node.GetTable()
-    columns = [table.GetColumn(number) for number in range(table.GetNumberOfColumns())]
-    view = QtWidgets.QTableWidget(table.GetNumberOfRows(), len(columns))
-    view.setHorizontalHeaderLabels([column.GetName() for column in columns])
-    for place, column in enumerate(columns):
-        for row in range(table.GetNumberOfRows()):
-            view.setItem(row, place, QtWidgets.QTableWidgetItem(column.GetVariantValue(row).ToString()))
-    header = view.horizontalHeader()
-    header.setDefaultAlignment(QtCore.Qt.AlignmentFlag.AlignCenter | QtCore.Qt.TextFlag.TextWordWrap)
-    header.setMinimumHeight(2 * view.fontMetrics().lineSpacing() + 8)
-    header.setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.Stretch)
-    header.setSectionResizeMode(0, QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
-    view.verticalHeader().hide()
-    view.verticalHeader().setDefaultSectionSize(view.fontMetrics().lineSpacing() + 8)
-    view.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
-    view.resize(width, header.minimumHeight() + sum(view.rowHeight(row) for row in range(view.rowCount())))
-    return view.grab().toImage()

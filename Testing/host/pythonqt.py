@@ -4,7 +4,7 @@ Slicer's Python reaches Qt through PythonQt, which is property based; PySide6, w
 object that a module gets hold of is therefore a wrapper around the PySide6 object. A name is looked up as PythonQt does it: Qt
 property first (so `label.text` is a string, and `label.text()` fails), then signal or method; dynamic properties and children by name,
 which PythonQt finds too, are not found here. Setting a name that is no property raises AttributeError, unless a Python class derives
-from the Qt class. A stand-in for a class of CTK or Slicer shows only what its table in `api_tables.py` admits, beside what it
+from the Qt class. A stand-in for a class of CTK or Slicer shows only what its table `api` admits, beside what it
 inherits from Qt.
 """
 

@@ -111,12 +111,12 @@ def panel(module: Module, folder: Path) -> None:
 
 
 def compare(module: Module, folder: Path) -> None:
-    """step-7-compare.png: the methods side by side, and the table of how well each shows bone."""
+    """step-7-compare.png: the methods side by side."""
     from AIFReconLib.compounding.methods.table import COMPARED_METHODS
 
     module.press(module.widget.ui.compareButton)
     views = [module.slice_view(f"AIFRecon{number}", (440, 275), field_of_view=125.0) for number in range(1, len(COMPARED_METHODS) + 1)]
-    guide_pictures.compared(module, views, folder)
+    view_frames.write_png(view_frames.tiled([views[:2], views[2:]]), folder / "step-7-compare.png")
     module.press(module.widget.ui.singleViewButton)
 
 
