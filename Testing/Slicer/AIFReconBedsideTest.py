@@ -61,7 +61,7 @@ class AIFReconBedsideTest(OpenPanel):
         before = tinyScene.nodeIDs()
         small = partial(phantomSample.loadPhantom, frames=9)
         with unittest.mock.patch.object(phantomSample, "loadPhantom", small):
-            for share in (0.5, 0.97):
+            for share in (0.5, 0.975):
                 self.pressAnd(self.ui.sampleButton, phantomSample, "loadPhantom", share, lambda: self.widget._work.cancel())
                 self.assertEqual(tinyScene.nodeIDs(), before)
 
