@@ -70,6 +70,8 @@ def bone_of(node, chosen=None, referenceVolumeNode=None, sigmaVoxels=None) -> Bo
 
 def assert_equal(found: BoneMap, expected: BoneMap) -> None:
     for a, b in ((found.probability, expected.probability), (found.inside, expected.inside)):
+        assert a is not None
+        assert b is not None
         assert np.allclose(a.ijk_to_reference, b.ijk_to_reference, atol=1e-9)
         assert np.array_equal(a.array, b.array)
 
