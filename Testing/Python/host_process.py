@@ -14,6 +14,18 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 LONGEST = 570
 """s for one process: less than pytest gives a test, so that what it said is seen."""
 
+OPEN = """
+import sys
+sys.path[:0] = ["Testing", "Testing/Slicer"]
+from host import runHost
+host = runHost()
+host.start("AIFRecon/AIFRecon.py")
+widget = host.open("AIFRecon")
+import functools, pathlib, qt, slicer, tinyScene
+parameters, ui = widget._parameterNode, widget.ui
+"""
+"""How such a program begins."""
+
 
 def run_on_host(*arguments: str | Path, folder: Path = REPOSITORY, **surroundings: str) -> subprocess.CompletedProcess[str]:
     """Python with these arguments; the test is skipped, with the reason, where the host cannot run."""

@@ -25,9 +25,7 @@ class AIFReconCalibrationTest(OpenPanel):
 
     def setUp(self):
         super().setUp()
-
         self.wrong = wronglyCalibrated(wrongBy())
-        self.browser = None
         self.ui.calibrationMoreButton.checked = False
 
     def add(self, sweep=None):
@@ -111,7 +109,8 @@ class AIFReconCalibrationTest(OpenPanel):
         self.ui.applyButton.click()
         self.waitForLights()
         self.assertIn("mm off", self.ui.calibrationVerdictLabel.text, self.ui.registrationLabel.text)
-        self.assertIn("with “Calibrate on this sweep”", self.ui.calibrationVerdictLabel.text)
+        self.assertRegex(self.ui.calibrationVerdictLabel.text, "shift out of the image -.*with “Calibrate on this sweep”")
+        self.assertIn("caution", self.ui.calibrationSignalLabel.text)
         self.assertTrue(self.ui.calibrateButton.visible)
         told = {name: getattr(self.ui, f"{name}VerdictLabel").text for name in ("tracking", "registration", "calibration")}
         self.calibrate()
@@ -154,10 +153,15 @@ class AIFReconCalibrationTest(OpenPanel):
 
     # ---- refused
 
-    def test_where_the_sweep_does_not_tell_nothing_is_changed(self):
+    def test_a_cancel_changes_nothing_nor_does_a_sweep_that_does_not_tell(self):
+        from AIFReconScene.registration import sweepCalibration
+
         self.add()
         tinyScene.setMatrix(self.ctToReference, patient().ct_to_reference @ tinyScene.moved(0.0, 0.0, 60.0))
         before, names = self.poses(), self.transforms()
+        self.pressAnd(self.ui.calibrateButton, sweepCalibration, "inWorker", 0.5, lambda: self.widget._work.cancel())
+        self.assertIn("Canceled.", self.ui.calibrationLabel.text)
+        np.testing.assert_array_equal(self.poses(), before)
         said = self.calibrate()
         self.assertIn("The calibration was not changed.", said)
         self.assertNotIn("--", said)
@@ -165,27 +169,13 @@ class AIFReconCalibrationTest(OpenPanel):
         self.assertEqual(self.transforms(), names)
         self.assertFalse(self.ui.undoCalibrationButton.enabled)
 
-    def test_a_cancel_changes_nothing(self):
-        from AIFReconScene.registration import sweepCalibration
-
-        self.add()
-        before, names = self.poses(), self.transforms()
-        self.pressAnd(self.ui.calibrateButton, sweepCalibration, "inWorker", 0.5, lambda: self.widget._work.cancel())
-        self.assertIn("Canceled.", self.ui.calibrationLabel.text)
-        np.testing.assert_array_equal(self.poses(), before)
-        self.assertEqual(self.transforms(), names)
-        self.assertTrue(self.ui.calibrateButton.enabled)
-
-    def test_images_that_each_have_a_place_of_their_own_are_refused_in_a_sentence(self):
+    def test_images_that_each_have_a_place_of_their_own_are_refused_in_a_sentence_and_so_is_a_sweep_without_bone(self):
         self.add()
         images = self.browser.GetMasterSequenceNode()
         self.image().SetAndObserveTransformNodeID(None)
         for number in range(images.GetNumberOfDataNodes()):
             images.GetNthDataNode(number).SetOrigin(0.0, 0.0, float(number))
         self.assertIn("no transform of the scene can take a calibration", self.messageOf(self.calibrate))
-
-    def test_without_bone_it_says_what_is_missing(self):
-        self.add()
         self.parameters.bone = None
         self.assertFalse(self.ui.calibrateButton.enabled)
         self.assertIn("Select the bone", self.ui.calibrateButton.toolTip)

@@ -46,11 +46,3 @@ class AIFReconConfigurationTest(OpenPanel):
                 recording = realData.recordingOf(configuration)
                 self.load(recording, configuration)
                 self.assertSame(self.applied(), self.commandLine(recording, configuration))
-
-    def test_the_clip_rectangle_and_the_holes_of_the_real_configuration_are_honored(self):
-        configuration = realData.folder() / realData.SPINE_CALIBRATION
-        self.load(realData.recordingOf(configuration), configuration)
-        self.parameters.keepMask = True
-        self.assertEqual(self.applied().shape, (105, 106, 147))
-        mask = self.parameters.output.GetNodeReference("AIFRecon.mask")
-        self.assertTrue((slicer.util.arrayFromVolume(mask) == 2).any())

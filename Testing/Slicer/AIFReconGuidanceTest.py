@@ -22,9 +22,6 @@ guidance_watch.SKIN_AFTER, guidance_watch.FAR_AFTER, guidance_watch.RENEW_EVERY 
 """
 """Has a worker look at few candidates, after few frames."""
 
-TOLD: dict = {}
-"""What was told of the patient as it is, by the function that told it: another one after the module was reloaded."""
-
 
 class AIFReconGuidanceTest(OpenPatient):
     """The box *Guidance* on a simulated patient."""
@@ -49,20 +46,6 @@ class AIFReconGuidanceTest(OpenPatient):
         worker.close()
 
     # ---- what tests do
-
-    def setToldBox(self):
-        """Click the box; what was told of this patient before is told again, for it takes a while to find out."""
-        verdicts = self.widget.logic.verdicts
-        told = type(verdicts).guide
-
-        def again(parameters, progress, unseen):
-            self.assertIsNone(unseen)  # no paths were looked for
-            if told not in TOLD:
-                TOLD[told] = told(verdicts, parameters, progress)
-            return TOLD[told]
-
-        with mock.patch.object(verdicts, "guide", again):
-            self.setBox()
 
     def setBox(self, wanted=True):
         """Click the box, if it is not so already."""
@@ -103,13 +86,13 @@ class AIFReconGuidanceTest(OpenPatient):
 
     # ---- a recorded sweep
 
-    def test_the_colors_are_those_that_the_library_tells(self):
+    def test_the_colors_are_those_that_the_library_tells_and_the_next_move_is_in_large_type_in_panel_and_3d_view(self):
         from AIFReconScene.inputs.boneNodes import labelsFromNode
         from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
         from AIFReconLib.guidance.coverage import coverage, share_of
 
-        self.setToldBox()
+        self.setBox()
         labels = labelsFromNode(self.nodes.segmentation, world=False)
         found = coverage(sequenceFromBrowser(self.nodes.browser), labels, tinyScene.worldOf(self.nodes.segmentation))
         levels = self.levels()
@@ -120,9 +103,6 @@ class AIFReconGuidanceTest(OpenPatient):
         self.assertIn(f"{share_of(found.met, found.met.bone.posterior).met:.0%}", self.ui.guidanceTableLabel.text)
         # In the panel, for in the view it would cover the ghost
         self.assertIn("squarely, below 45", self.ui.guidanceColorsLabel.text.replace("&nbsp;", " "))
-
-    def test_the_next_move_is_in_large_type_in_panel_and_3d_view_here_with_an_arrow(self):
-        self.setToldBox()
         text = self.ui.guidanceMoveLabel.text
         self.assertRegex(text, "^[\u2190-\u2193\u21bb\u25cf]  ")
         self.assertEqual(self.ui.guidanceLabel.text.splitlines()[0], text)
@@ -133,33 +113,25 @@ class AIFReconGuidanceTest(OpenPatient):
         self.assertTrue(all(len(line) <= 24 for line in lines), lines)
         self.assertGreaterEqual(annotation.GetMaximumLineHeight() * 250, annotation.GetMaximumFontSize())
 
-    def test_the_ghost_stands_where_the_move_leads(self):
-        self.setToldBox()
+    def test_the_ghost_stands_where_the_move_leads_the_ct_takes_its_colors_along_and_without_the_box_nothing_is_left(self):
+        from AIFReconScene.display.boneColors import BoneColors
+
+        display, ct = self.nodes.segmentation.GetDisplayNode(), self.nodes.ct
+        changed = ct.GetMTime(), ct.GetDisplayNode().GetMTime()
+        self.setBox()
+        self.assertEqual((ct.GetMTime(), ct.GetDisplayNode().GetMTime()), changed)
         move, columns = self.widget._guidance._shown.move, self.parameters.liveImage.GetImageData().GetDimensions()[0]
         least, most = tinyScene.boundsOf(self.model("Advised probe")).T
         face = move.image_to_reference @ [columns / 2, 40.0, 0.0, 1.0]
         self.assertTrue((least <= face[:3]).all() and (face[:3] <= most).all())
         self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
-
-    def test_segments_are_not_drawn_in_3d_under_the_colors_and_come_back_also_where_another_session_hid_them(self):
-        from AIFReconScene.display.boneColors import BoneColors
-
-        display = self.nodes.segmentation.GetDisplayNode()
-        self.setToldBox()
+        before = tinyScene.boundsOf(self.model())
+        tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(0.0, 0.0, 50.0) @ tinyScene.matrixOf(self.nodes.ctToReference))
+        np.testing.assert_allclose(tinyScene.boundsOf(self.model()) - before, [[0, 0], [0, 0], [50, 50]], atol=1e-3)
+        # Segments are not drawn in 3D under the colors, and come back, also where another session hid them
         self.assertEqual((display.GetVisibility3D(), display.GetVisibility()), (0, 1))
         BoneColors().clear()
         self.assertTrue(display.GetVisibility3D())
-
-    def test_nothing_is_drawn_into_the_nodes_of_ct_and_segmentation(self):
-        segmentation, ct = self.nodes.segmentation, self.nodes.ct
-        nodes = [ct, *(ct.GetNthDisplayNode(n) for n in range(ct.GetNumberOfDisplayNodes()))]
-        before = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
-        self.setToldBox()
-        after = [node.GetMTime() for node in nodes], segmentation.GetNumberOfDisplayNodes(), segmentation.GetTransformNodeID()
-        self.assertEqual(after, before)
-
-    def test_without_the_box_nothing_is_left(self):
-        self.setToldBox()
         self.assertTrue(self.own())
         self.setBox(False)
         self.waitUntil(lambda: not self.own())
@@ -175,13 +147,6 @@ class AIFReconGuidanceTest(OpenPatient):
             self.setBox()
         self.assertEqual(self.own(), [])
 
-    def test_the_ct_takes_its_colors_along(self):
-        self.setToldBox()
-        before = tinyScene.boundsOf(self.model())
-        motion = tinyScene.moved(0.0, 0.0, 50.0)
-        tinyScene.setMatrix(self.nodes.ctToReference, motion @ tinyScene.matrixOf(self.nodes.ctToReference))
-        np.testing.assert_allclose(tinyScene.boundsOf(self.model()) - before, [[0, 0], [0, 0], [50, 50]], atol=1e-3)
-
     def test_without_a_ct_the_echoes_tell_what_was_hit_and_where_to_go(self):
         self.parameters.bone = None
         self.setBox()
@@ -195,21 +160,7 @@ class AIFReconGuidanceTest(OpenPatient):
         self.setBox(False)
         self.waitUntil(lambda: not self.own())
 
-    # ---- sentences instead of colors
-
-    def test_a_ct_that_is_not_placed_is_a_sentence(self):
-        tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(400.0, 0.0, 0.0))
-        self.setBox()
-        self.assertIn("No frame has come near", self.ui.guidanceLabel.text)
-        self.assertFalse(self.colored())
-
     # ---- a scan
-
-    def test_a_scan_colors_the_bone_and_says_the_next_move(self):
-        self.start()
-        self.playUntil(lambda: self.colored() and self.live._advised and self.ui.guidanceMoveLabel.text == self.live._advised)
-        self.assertIn("%", self.ui.guidanceTableLabel.text)
-        self.assertIsNotNone(self.model("Advised probe"))
 
     def test_a_scan_without_a_ct_colors_the_bone_of_its_echoes_and_says_the_next_move(self):
         from AIFReconScene.inputs.boneSource import BoneSource
@@ -226,9 +177,11 @@ class AIFReconGuidanceTest(OpenPatient):
         self.playUntil(lambda: self.colored() and "looks where paths were not seen" in self.ui.guidanceLabel.text)
         self.assertIn("%", self.ui.guidanceTableLabel.text)
 
-    def test_what_a_scan_has_met_is_still_seen_when_it_is_over(self):
+    def test_a_scan_colors_the_bone_and_says_the_next_move_and_what_it_has_met_is_still_seen_when_it_is_over(self):
         self.start()
-        self.playUntil(lambda: self.colored() and self.live._advised)
+        self.playUntil(lambda: self.colored() and self.live._advised and self.ui.guidanceMoveLabel.text == self.live._advised)
+        self.assertIn("%", self.ui.guidanceTableLabel.text)
+        self.assertIsNotNone(self.model("Advised probe"))
         self.ui.liveStopButton.click()
         self.assertTrue(self.colored())
         slicer.app.processEvents()
@@ -239,7 +192,7 @@ class AIFReconGuidanceTest(OpenPatient):
         self.setBox(False)
         self.waitUntil(lambda: not self.own())
 
-    def test_labels_that_change_while_scanning_are_followed(self):
+    def test_what_changes_while_scanning_is_followed_until_the_scene_is_closed(self):
         from AIFReconScene.live import followedBone
 
         self.addCleanup(setattr, followedBone, "SETTLED", followedBone.SETTLED)
@@ -247,9 +200,19 @@ class AIFReconGuidanceTest(OpenPatient):
         self.start()
         self.playUntil(self.colored)
         corners = self.model().GetPolyData().GetNumberOfPoints()
+        slicer.mrmlScene.RemoveNode(self.model())
+        self.playUntil(self.colored)
         segmentation = self.nodes.segmentation.GetSegmentation()
         segmentation.RemoveSegment(segmentation.GetNthSegmentID(0))
         self.playUntil(lambda: self.colored() and self.model().GetPolyData().GetNumberOfPoints() < corners)
+        place = tinyScene.matrixOf(self.nodes.ctToReference)
+        tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(400.0, 0.0, 0.0))
+        self.playUntil(lambda: "No frame has come near" in self.ui.guidanceLabel.text)
+        tinyScene.setMatrix(self.nodes.ctToReference, place)
+        self.playUntil(self.colored)
+        slicer.mrmlScene.Clear()
+        self.assertFalse(self.live.isRunning)
+        self.assertEqual(self.own(), [])
 
     def test_a_segmentation_that_is_deleted_while_scanning_leaves_a_sentence(self):
         self.start()
@@ -258,22 +221,3 @@ class AIFReconGuidanceTest(OpenPatient):
         self.playUntil(lambda: "Select the bone" in self.ui.guidanceLabel.text)
         self.assertEqual(self.own(), [])
         self.assertIsNone(self.live._live.displayProblem)
-
-    def test_a_model_that_is_deleted_while_scanning_comes_back(self):
-        self.start()
-        self.playUntil(self.colored)
-        slicer.mrmlScene.RemoveNode(self.model())
-        self.playUntil(self.colored)
-
-    def test_a_scene_that_is_closed_while_scanning_takes_everything_with_it(self):
-        self.start()
-        self.playUntil(self.colored)
-        slicer.mrmlScene.Clear()
-        self.assertFalse(self.live.isRunning)
-        self.assertEqual(self.own(), [])
-
-    def test_a_ct_that_is_moved_while_scanning_is_told_anew(self):
-        self.start()
-        self.playUntil(self.colored)
-        tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(400.0, 0.0, 0.0))
-        self.playUntil(lambda: "No frame has come near" in self.ui.guidanceLabel.text)

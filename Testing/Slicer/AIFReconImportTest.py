@@ -3,10 +3,7 @@
 import numpy as np
 import slicer
 import tinyScene
-import vtk
 from openPanel import OpenPanel
-
-HEADINGS = "{tool}_x,{tool}_y,{tool}_z,{tool}_qx,{tool}_qy,{tool}_qz,{tool}_qw"
 
 
 class AIFReconImportTest(OpenPanel):
@@ -14,27 +11,13 @@ class AIFReconImportTest(OpenPanel):
 
     panel = OpenPanel.ui
 
-    def files(self):
-        """The tiny sweep as an array of images and a table of two tools, in ms; the poses that are meant."""
-        from AIFReconLib.sweep.poses import sweep_poses
-
-        sequence = tinyScene.makeSequence()
-        np.save(self.folder / "images.npy", np.asarray(sequence.images))
-        lines = [",".join(["stamp", HEADINGS.format(tool="Probe"), HEADINGS.format(tool="Patient")])]
-        poses = sweep_poses(sequence).image_to_reference
-        for number, pose in enumerate(poses):
-            seen = [""] * 7 if number == tinyScene.UNTRACKED else [repr(float(each)) for each in placeAndTurn(pose)]
-            lines.append(",".join([str(100 * number), *seen, "1", "2", f"{3 + number / 100}", "0", "0", "0", "1"]))
-        (self.folder / "poses.csv").write_text("\n".join(lines))
-        return self.folder / "images.npy", self.folder / "poses.csv", poses
-
     def opened(self):
         """The widgets of the window, with both files chosen."""
-        images, table, poses = self.files()
+        poses = tinyScene.writeForeign(self.folder, tinyScene.makeSequence())
         self.panel.importButton.click()
         importer = self.widget._recorded.importer
-        importer._ui.imagesLineEdit.currentPath = str(images)
-        importer._ui.posesLineEdit.currentPath = str(table)
+        importer._ui.imagesLineEdit.currentPath = str(self.folder / "images.npy")
+        importer._ui.posesLineEdit.currentPath = str(self.folder / "poses.csv")
         return importer, importer._ui, poses
 
     def test_what_the_files_leave_open_is_asked_as_choices_and_the_sweep_lies_where_the_poses_say(self):
@@ -180,17 +163,6 @@ class AIFReconImportTest(OpenPanel):
         self.panel.applyButton.click()
         self.assertIsNotNone(self.parameters.output)
 
-    def test_a_sweep_whose_images_show_no_rectangle_leaves_the_fields_as_they_are(self):
-        from AIFReconScene.inputs.boxes import clipAsRecognized
-        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
-
-        sequence = tinyScene.makeSequence()
-        sequence.images[:] = 77
-        self.parameters.sweep, self.parameters.clipWidth = browserFromSequence(sequence, "Bright"), 12.0
-        with self.assertRaisesRegex(Exception, "black surround"):
-            clipAsRecognized(self.parameters)
-        self.assertEqual(self.parameters.clipWidth, 12.0)
-
     def test_a_renamed_transform_is_known_at_once(self):
         browser = tinyScene.addSweep()
         image = browser.GetProxyNode(browser.GetMasterSequenceNode())
@@ -206,10 +178,3 @@ class AIFReconImportTest(OpenPanel):
         recorded.SetName("ImageToReference")
         self.assertIn("11 of 12 frames have a position", self.panel.sweepStatusLabel.text)
         self.assertTrue(self.panel.applyButton.enabled)
-
-
-def placeAndTurn(pose):
-    """x y z and qx qy qz qw of a pose (4, 4) that takes pixels."""
-    found = [0.0] * 4
-    vtk.vtkMath.Matrix3x3ToQuaternion((pose[:3, :3] / np.linalg.norm(pose[:3, :3], axis=0)).tolist(), found)
-    return [*pose[:3, 3], *found[1:], found[0]]

@@ -31,7 +31,11 @@ class AIFReconLiveCalibrationTest(OpenPanel):
         self.scan = self.live._live
         self.waitUntil(lambda: self.scan.statistics.inserted > 3)
 
-    def test_the_frame_is_seen_in_its_place(self):
+    def test_the_frame_is_seen_in_its_place_and_the_voxels_are_those_of_the_exact_calibration(self):
+        from AIFReconLib import reconstruct
+        from AIFReconLib.geometry.volume import VoxelGrid
+        from AIFReconLib.recipe.recipe import ReconstructionSettings
+
         self.begin()
         self.waitUntil(lambda: self.scan._views.frameNode is not None)
         self.assertEqual(self.composite().GetBackgroundVolumeID(), self.scan._views.frameNode.GetID())
@@ -42,13 +46,6 @@ class AIFReconLiveCalibrationTest(OpenPanel):
         self.assertLess(np.abs((shown @ corners - exact @ corners)[:3]).max(), 1.2)
         axes = shown[:3, :3] / np.linalg.norm(shown[:3, :3], axis=0)
         np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-6)
-
-    def test_the_voxels_are_those_of_the_exact_calibration(self):
-        from AIFReconLib import reconstruct
-        from AIFReconLib.geometry.volume import VoxelGrid
-        from AIFReconLib.recipe.recipe import ReconstructionSettings
-
-        self.begin()
         self.waitUntil(lambda: self.scan.statistics.inserted > 2 * len(self.sequence))
         self.ui.liveStopButton.click()
         region = self.parameters.regionVolume

@@ -43,11 +43,11 @@ class AIFReconMeanwhileTest(OpenPanel):
             with self.subTest(name=name):
                 self.addInputs()
                 node = self.needed()[name]
-                called, output = node.GetName(), self.parameters.output
+                called = node.GetName()
                 slicer.mrmlScene.RemoveNode(node)
                 expected = self.names()
                 self.addInputs()
-                node = self.needed()[name]
+                node, output = self.needed()[name], self.parameters.output
                 self.pressAnd(self.ui.applyButton, self.widget.logic, "apply", 0.5, partial(slicer.mrmlScene.RemoveNode, node))
                 self.assertEqual(self.widget._recorded._report, f"{called} was deleted meanwhile. Nothing was changed.")
                 self.assertEqual(self.names(), expected)

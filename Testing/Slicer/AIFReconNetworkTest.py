@@ -29,12 +29,6 @@ class AIFReconNetworkTest(OpenPanel):
         images = np.where(np.asarray(sweep.images) == tinyScene.ECHO, 255, 0).astype(np.uint8)
         return TrackedSequence(images, sweep.records)
 
-    def addSaid(self):
-        """It as a sequence node of the scene."""
-        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
-
-        return browserFromSequence(self.said(), "Said").GetMasterSequenceNode()
-
     def model(self) -> pathlib.Path:
         """The network in a file that comes with the tests; it knows an echo over darkness."""
         from AIFReconGui.packages import MODEL, isInstalled
@@ -53,18 +47,17 @@ class AIFReconNetworkTest(OpenPanel):
         bone = bone_from_frames(sweep, estimatorOf(sweep))
         return reconstruct(sweep, Recipe(spacing=1.0, hole_limit=0.0), bone).intensity.array
 
-    def assertReconstructs(self, expected):
-        """Press Reconstruct: these are the voxels."""
-        np.testing.assert_array_equal(self.applied(), expected)
-
     # ---- recorded
 
     def test_recorded_predictions_reconstruct_as_they_do_in_the_library(self):
+        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
+
         from AIFReconLib.bone.recorded_predictions import RecordedPredictions
 
-        self.parameters.sweep, self.parameters.bonePredictions = tinyScene.addSweep(), self.addSaid()
+        self.parameters.sweep = tinyScene.addSweep()
+        self.parameters.bonePredictions = browserFromSequence(self.said(), "Said").GetMasterSequenceNode()
         self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
-        self.assertReconstructs(self.expected(lambda sweep: RecordedPredictions(sweep, self.said())))
+        np.testing.assert_array_equal(self.applied(), self.expected(lambda sweep: RecordedPredictions(sweep, self.said())))
 
     def test_a_network_in_a_file_reconstructs_as_it_does_in_the_library(self):
         from AIFReconLib.bone.network.model import OnnxModel
@@ -73,7 +66,7 @@ class AIFReconNetworkTest(OpenPanel):
         self.parameters.sweep = tinyScene.addSweep()
         self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
         self.ui.boneModelPathLineEdit.currentPath = str(path)
-        self.assertReconstructs(self.expected(lambda sweep: OnnxModel(path)))
+        np.testing.assert_array_equal(self.applied(), self.expected(lambda sweep: OnnxModel(path)))
         self.assertIn("bone.onnx", self.ui.statusLabel.text)
 
     def test_what_a_scan_recorded_of_a_network_is_opened_beside_the_scan(self):

@@ -36,16 +36,6 @@ class AIFReconPanelTest(OpenPanel):
         self.assertFalse(self.ui.applyButton.enabled)
         self.assertIn("import my_methods in the Python console", self.ui.statusLabel.text)
 
-    def test_only_the_chosen_segments_are_bone(self):
-        self.addInputs()
-        segmentation = self.parameters.bone.GetSegmentation()
-        segmentation.AddEmptySegment("extra", "Extra")
-        self.parameters.boneSegments = ["extra"]
-        combo = self.ui.segmentsComboBox
-        names = [combo.itemText(row) for row in range(combo.count)]
-        checked = [index.row() for index in combo.checkedIndexes()]
-        self.assertEqual([names[row] for row in checked], ["Extra"])
-
     # ---- bone of a CT that nobody has segmented
 
     def addBareCT(self, hounsfield=True):
@@ -91,8 +81,6 @@ class AIFReconPanelTest(OpenPanel):
         self.assertEqual(slicer.mrmlScene.GetNumberOfNodes(), before)
         self.assertIsNone(self.parameters.bone)
 
-    # ---- what can be pressed
-
     # ---- work
 
     def test_the_methods_are_compared_in_a_table(self):
@@ -137,6 +125,14 @@ class AIFReconPanelTest(OpenPanel):
         bones = slicer.util.getNodesByClass("vtkMRMLSegmentationNode")
         self.assertEqual([each.GetName() for each in bones if each.GetDisplayVisibility()], [self.widget._parameterNode.bone.GetName()])
         self.assertEqual((self.ui.trackingVerdictLabel.text, self.ui.registrationVerdictLabel.text), told)
+        # Both sweeps can be used
+        sweeps = slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode")
+        np.testing.assert_array_equal(*(self.reconstructed(sweep) for sweep in sweeps))
+
+    def reconstructed(self, sweep):
+        """Voxels of another volume."""
+        self.parameters.sweep, self.parameters.output = sweep, None
+        return self.applied()
 
     def test_what_was_said_goes_with_what_it_was_said_about(self):
         from AIFReconGui import sampleData

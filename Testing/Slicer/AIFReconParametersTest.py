@@ -20,13 +20,6 @@ class AIFReconParametersTest(unittest.TestCase):
 
         return AIFRecon.AIFReconLogic()
 
-    def test_every_setting_of_the_library_is_a_parameter(self):
-        from AIFReconGui.parameterNode import AIFReconParameterNode
-        from AIFReconScene.inputs.parameters import PARAMETERS, camelCase
-
-        missing = [name for name in PARAMETERS if camelCase(name) not in AIFReconParameterNode.allParameters]
-        self.assertEqual(missing, [])
-
     def test_untouched_parameters_are_the_library_s_defaults(self):
         from AIFReconScene.inputs.parameters import settingsFrom
 

@@ -14,12 +14,6 @@ class AIFReconPictureTest(OpenPanel):
         slicer.app.layoutManager().setLayout(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
         self.picture = self.picturePanel()
 
-    def reconstruct(self):
-        """Sweep, CT and bone are chosen and Reconstruct is pressed; the volume."""
-        self.addInputs(spacing=2.0)
-        self.ui.applyButton.click()
-        return self.parameters.output
-
     def measured(self):
         """The plain echo that is kept beside the output."""
         from AIFReconScene.volumes.volumeNodes import measuredOf
@@ -27,14 +21,6 @@ class AIFReconPictureTest(OpenPanel):
         return measuredOf(self.parameters.output)
 
     # ---- measured or enhanced
-
-    def test_the_plain_echo_is_the_average_of_the_same_frames_on_the_same_voxels(self):
-        output = self.reconstruct()
-        import AIFRecon
-
-        averaged = AIFRecon.AIFReconLogic().reconstruct(self.parameters.sweep, region=output, method="average", spacing=2.0)
-        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.measured()), slicer.util.arrayFromVolume(averaged))
-        self.assertGreater(np.abs(slicer.util.arrayFromVolume(output).astype(int) - slicer.util.arrayFromVolume(averaged)).max(), 10)
 
     def test_one_toggle_shows_the_plain_echo_in_the_same_gray_levels_and_back(self):
         output = self.reconstruct()
@@ -51,12 +37,6 @@ class AIFReconPictureTest(OpenPanel):
         self.assertEqual(self.composite().GetForegroundVolumeID(), output.GetID())
 
     # ---- tint
-
-    def test_a_user_who_leaves_while_a_volume_is_shown_sees_nothing_of_it_that_is_the_panel_s(self):
-        self.reconstruct()
-        slicer.util.selectModule("Transforms")
-        self.picture.show()
-        self.assertFalse(self.composite().GetLabelVolumeID())
 
     def test_brightness_that_the_method_added_is_tinted_and_nothing_else_is(self):
         output = self.reconstruct()
@@ -77,6 +57,8 @@ class AIFReconPictureTest(OpenPanel):
                 setattr(self.parameters, change, not getattr(self.parameters, change))
                 self.assertTrue(self.composite().GetLabelVolumeID())
         self.widget.exit()
+        # Also where a volume is shown meanwhile
+        self.picture.show()
         self.assertFalse(self.composite().GetLabelVolumeID())
         self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Raised brightness"))
         self.widget.enter()
@@ -103,7 +85,7 @@ class AIFReconPictureTest(OpenPanel):
         self.parameters.opacity = 0.5
         return model
 
-    def test_the_bone_that_shows_is_a_surface_in_3d_and_the_ct_s_bone_is_translucent_behind(self):
+    def test_the_bone_that_shows_is_a_surface_in_3d_the_ct_s_bone_is_translucent_behind_and_both_go_with_the_volume(self):
         model, bone = self.showBone(), self.parameters.bone.GetDisplayNode()
         self.assertTrue(model.GetDisplayVisibility())
         points = slicer.util.arrayFromModelPoints(model)
@@ -116,18 +98,16 @@ class AIFReconPictureTest(OpenPanel):
         self.parameters.showSpine = False
         self.assertFalse(model.GetDisplayVisibility())
         self.assertEqual((bone.GetOpacity3D(), bone.GetBackfaceCulling()), (1.0, 0))
-
-    def test_bone_in_3d_goes_with_the_volume_that_shows_it(self):
-        model, output = self.showBone(), self.parameters.output
-        self.parameters.output = None
-        self.assertFalse(model.GetDisplayVisibility())
-        self.parameters.output = output
-        self.assertTrue(model.GetDisplayVisibility())
+        # It goes with the volume that shows it
+        self.parameters.showSpine, output = True, self.parameters.output
+        for chosen in (None, output):
+            self.parameters.output = chosen
+            self.assertEqual(bool(model.GetDisplayVisibility()), chosen is output)
         # Of the slab no frame shows a shadow that is long enough: none of its bone shows
         self.ui.applyButton.click()
         self.assertIsNone(model.GetScene())
         self.assertFalse(self.picture._ui.showSpineCheckBox.enabled)
-        self.assertEqual(self.parameters.bone.GetDisplayNode().GetOpacity3D(), 1.0)
+        self.assertEqual(bone.GetOpacity3D(), 1.0)
 
     # ---- slice views
 
@@ -156,30 +136,12 @@ class AIFReconPictureTest(OpenPanel):
         """Whether the probe's side is up in a slice view, the last of which is the green one."""
         return self.sliceWidget(name).mrmlSliceNode().GetOrientation().endswith("ProbeUp")
 
-    def showNames(self):
-        """Set the box; the green view is the last to get its names."""
-        self.picture._ui.showLevelsCheckBox.click()
-        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is not None)
-
     def namesIn(self, name):
         """Names that are written into a slice view."""
         node = slicer.mrmlScene.GetFirstNodeByName(f"Levels {name}")
         return [] if node is None else [node.GetNthControlPointLabel(number) for number in range(node.GetNumberOfControlPoints())]
 
-    def test_a_level_is_named_in_the_slices_near_its_middle_and_nowhere_after_that(self):
-        self.parameters.ctVolume, bone, _registration = tinyScene.addCT()
-        bone.GetSegmentation().GetNthSegment(0).SetName("L3")
-        self.parameters.bone = bone
-        self.showNames()
-        green = self.sliceWidget("Green").mrmlSliceNode()
-        for away, names in ((0.0, ["L3"]), (60.0, [])):
-            with self.subTest(away=away):
-                green.JumpSliceByCentering(0.0, tinyScene.FACE + 4.0 + away, 0.0)
-                self.assertEqual(self.namesIn("Green"), names)
-        self.picture._ui.showLevelsCheckBox.click()
-        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None)
-
-    def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place(self):
+    def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place_in_the_slices_near_it_and_nowhere_after_that(self):
         ct, bone, registration = tinyScene.addCT()
         labels = np.zeros((40, 50, 50), np.uint8)
         for value, i in ((1, 10), (2, 30)):
@@ -191,7 +153,9 @@ class AIFReconPictureTest(OpenPanel):
         for number, name in enumerate(("L3", "L4")):
             bone.GetSegmentation().GetNthSegment(number).SetName(name)
         self.parameters.bone = bone
-        self.showNames()
+        self.picture._ui.showLevelsCheckBox.click()
+        # The last to get its names
+        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is not None)
         green = self.sliceWidget("Green").mrmlSliceNode()
         middles = [tinyScene.CT_TO_WORLD @ tinyScene.ijkToRAS(ct) @ [i + 2.5, 24.5, 19.5, 1.0] for i in (10, 30)]
         green.JumpSliceByCentering(*(middles[0] + middles[1])[:3] / 2)
@@ -201,6 +165,10 @@ class AIFReconPictureTest(OpenPanel):
         for number, middle in enumerate(middles):
             place = np.array(node.GetNthControlPointPosition(number))
             np.testing.assert_allclose(np.cross(place - middle[:3], normal), 0.0, atol=1e-3)
+        green.JumpSliceByCentering(0.0, tinyScene.FACE + 64.0, 0.0)
+        self.assertEqual(self.namesIn("Green"), [])
+        self.picture._ui.showLevelsCheckBox.click()
+        self.waitUntil(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None)
 
     # ---- report
 

@@ -31,12 +31,9 @@ class AIFReconReconstructionTest(unittest.TestCase):
         self.assertGreater(len(points), 100)
         self.assertLess(np.abs(points[:, 1] - tinyScene.FACE).max(), within)
 
-    def test_bright_voxels_lie_on_the_bone(self):
-        self.assertOnFace(self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, holeLimit=0.0))
-
-    def test_the_ct_is_not_touched(self):
+    def test_bright_voxels_lie_on_the_bone_and_the_ct_is_not_touched(self):
         before = slicer.util.arrayFromVolume(self.ct).copy()
-        self.logic.reconstruct(self.sweep, self.bone, spacing=1.0)
+        self.assertOnFace(self.logic.reconstruct(self.sweep, self.bone, spacing=0.5, hole_limit=0.0))
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.ct), before)
         self.assertIs(self.ct.GetParentTransformNode(), self.registration)
 
@@ -52,15 +49,6 @@ class AIFReconReconstructionTest(unittest.TestCase):
         expected = tinyScene.CT_TO_WORLD @ tinyScene.ijkToRAS(self.ct)
         np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected, atol=1e-6)
         self.assertOnFace(volume, within=1.3)
-
-    def test_the_panel_and_the_command_line_give_the_same_voxels(self):
-        from AIFReconLib import Recipe, reconstruct
-
-        asked = Recipe(method="average", spacing=0.7, hole_limit=1.0)
-        expected = reconstruct(tinyScene.makeSequence(), asked).intensity
-        volume = self.logic.reconstruct(self.sweep, method="average", spacing=0.7, hole_limit=1.0)
-        np.testing.assert_array_equal(slicer.util.arrayFromVolume(volume), expected.array)
-        np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected.ijk_to_reference, atol=1e-6)
 
     def test_a_volume_says_how_it_was_made_in_the_scene_and_in_a_header_that_slicer_writes(self):
         import json
@@ -90,27 +78,12 @@ class AIFReconReconstructionTest(unittest.TestCase):
             self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(scene), True))
         self.assertEqual(slicer.util.getNode("Sweep weighted").GetAttribute("AIFRecon_settings"), text)
 
-    def test_a_cancel_midway_leaves_the_scene_as_it_was(self):
-        from AIFReconLib.errors import OperationCanceled
+    def test_a_failure_or_a_cancel_midway_leaves_the_scene_as_it_was(self):
+        from AIFReconLib.errors import InsufficientMemoryError, OperationCanceled
 
         before = tinyScene.nodeIDs()
         with self.assertRaises(OperationCanceled):
             self.logic.reconstruct(self.sweep, self.bone, spacing=1.0, progress=lambda fraction, message: fraction < 0.5)
-        self.assertEqual(tinyScene.nodeIDs(), before)
-
-    def test_a_failure_leaves_the_scene_as_it_was(self):
-        from AIFReconLib.errors import AIFReconError
-
-        before = tinyScene.nodeIDs()
-        with workerStates.littleMemory(100_000), self.assertRaises(AIFReconError) as raised:
+        with workerStates.littleMemory(100_000), self.assertRaises(InsufficientMemoryError):
             self.logic.reconstruct(self.sweep, self.bone, spacing=0.2)
-        self.assertIn("memory", str(raised.exception))
         self.assertEqual(tinyScene.nodeIDs(), before)
-
-    def test_an_output_that_is_given_is_filled_again(self):
-        volume = self.logic.reconstruct(self.sweep, spacing=1.0)
-        before = tinyScene.nodeIDs()
-        again = self.logic.reconstruct(self.sweep, spacing=2.0, output=volume)
-        self.assertIs(again, volume)
-        self.assertEqual(tinyScene.nodeIDs(), before)
-        self.assertAlmostEqual(volume.GetSpacing()[0], 2.0)

@@ -16,13 +16,6 @@ class AIFReconViewsTest(OpenPanel):
 
     # ---- what was loaded
 
-    def test_a_sweep_that_was_loaded_can_be_replayed_at_once(self):
-        self.chooseRecording()
-        self.ui.loadButton.click()
-        sequences = slicer.modules.sequences
-        self.assertTrue(sequences.isToolBarVisible())
-        self.assertIs(sequences.toolBar().activeBrowserNode(), self.parameters.sweep)
-
     def test_without_a_ct_no_letters_in_3d_take_a_trackers_axes_for_the_patients(self):
         view = self.threeDView().mrmlViewNode()
         self.chooseRecording()
@@ -38,10 +31,12 @@ class AIFReconViewsTest(OpenPanel):
         self.parameters.output = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "Live average")
         self.assertFalse(view.GetAxisLabelsVisible())
 
-    def test_the_ct_is_in_the_slice_views_after_a_sweep_was_loaded(self):
+    def test_a_sweep_that_was_loaded_can_be_replayed_at_once_and_the_ct_is_in_the_slice_views(self):
         self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()
         self.chooseRecording()
         self.ui.loadButton.click()
+        self.assertTrue(slicer.modules.sequences.isToolBarVisible())
+        self.assertIs(slicer.modules.sequences.toolBar().activeBrowserNode(), self.parameters.sweep)
         for name in ("Red", "Yellow", "Green"):
             with self.subTest(view=name):
                 self.assertEqual(self.composite(name).GetBackgroundVolumeID(), self.parameters.ctVolume.GetID())
@@ -82,8 +77,7 @@ class AIFReconViewsTest(OpenPanel):
     # ---- rims
 
     def test_what_was_not_measured_does_not_darken_what_was(self):
-        self.addInputs(spacing=2.0)
-        self.ui.applyButton.click()
+        self.reconstruct()
         voxels = slicer.util.arrayFromVolume(self.parameters.output)
         voxels[voxels > 0] = 200
         slicer.util.arrayFromVolumeModified(self.parameters.output)

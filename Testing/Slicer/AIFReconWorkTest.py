@@ -1,5 +1,7 @@
 """Self tests of long work: canceled at any point it leaves the scene as it was, and what is done again replaces what was done before."""
 
+from unittest import mock
+
 import numpy as np
 import slicer
 import tinyScene
@@ -21,20 +23,12 @@ class AIFReconWorkTest(OpenPanel):
 
     def scene(self) -> dict:
         """Every node by its ID with its name, and what the views show."""
-        nodes = slicer.mrmlScene.GetNodes()
-        nodes = [nodes.GetItemAsObject(index) for index in range(nodes.GetNumberOfItems())]
-        views = {
-            node.GetID(): (node.GetBackgroundVolumeID(), node.GetForegroundVolumeID(), node.GetForegroundOpacity())
-            for node in nodes
-            if node.IsA("vtkMRMLSliceCompositeNode")
-        }
-        places = {
-            node.GetID(): (round(tinyScene.scaleOf(node), 6), tinyScene.placeOf(node).round(6).tolist())
-            for node in nodes
-            if node.IsA("vtkMRMLSliceNode")
-        }
-        layout = next(node.GetViewArrangement() for node in nodes if node.IsA("vtkMRMLLayoutNode"))
-        return {"names": {node.GetID(): node.GetName() for node in nodes}, "views": views, "places": places, "layout": layout}
+        found: dict = {"names": {each: slicer.mrmlScene.GetNodeByID(each).GetName() for each in tinyScene.nodeIDs()}}
+        for node in slicer.util.getNodesByClass("vtkMRMLSliceCompositeNode"):
+            found[node.GetID()] = node.GetBackgroundVolumeID(), node.GetForegroundVolumeID(), node.GetForegroundOpacity()
+        for node in slicer.util.getNodesByClass("vtkMRMLSliceNode"):
+            found[node.GetID()] = round(tinyScene.scaleOf(node), 6), tinyScene.placeOf(node).round(6).tolist()
+        return {**found, "layout": slicer.app.layoutManager().layout}
 
     def made(self, className="vtkMRMLScalarVolumeNode") -> list:
         """Names of the volumes or tables that were made of a sweep."""
@@ -82,8 +76,6 @@ class AIFReconWorkTest(OpenPanel):
         Volume(array.astype(np.uint8), np.eye(4)).write(paths[3])
         tinyScene.write(slicer.vtkMRMLLinearTransformNode(), paths[4])
         self.addInputs(spacing=2.0)
-        self.widget._recorded._ask = lambda: paths
-        self.addCleanup(lambda: delattr(self.widget._recorded, "_ask"))
         return paths
 
     def chosen(self) -> dict:
@@ -94,28 +86,22 @@ class AIFReconWorkTest(OpenPanel):
         above = [node.GetTransformNodeID() for node in (parameters.ctVolume, parameters.bone)]
         return {"above": above, **{name: getattr(parameters, name) for name in CHOSEN}, "otherSweeps": list(parameters.otherSweeps)}
 
-    def test_files_that_are_canceled_leave_scene_and_choices_as_they_were(self):
-        self.fileSome()
-        nodes, chosen = self.scene()["names"], self.chosen()
-        for fraction in (0.0, 0.2, 0.5, 0.65, 0.95):
-            with self.subTest(fraction=fraction):
-                self.pressAndCancel(self.ui.openButton, "openFiles", fraction)
-                self.assertIn("Canceled", self.ui.statusLabel.text)
-                self.assertEqual(self.scene()["names"], nodes)
-                self.assertEqual(self.chosen(), chosen)
-
-    def test_files_of_which_one_cannot_be_read_leave_scene_and_choices_as_they_were(self):
+    def test_files_that_are_canceled_or_of_which_one_cannot_be_read_leave_scene_and_choices_as_they_were(self):
         paths = self.fileSome()
         nodes, chosen = self.scene()["names"], self.chosen()
+        with mock.patch.object(self.widget._recorded, "_ask", return_value=paths):
+            for fraction in (0.0, 0.2, 0.5, 0.65, 0.95):
+                self.pressAndCancel(self.ui.openButton, "openFiles", fraction)
+                self.assertIn("Canceled", self.ui.statusLabel.text)
+                self.assertEqual((self.scene()["names"], self.chosen()), (nodes, chosen), fraction)
         paths[1].write_bytes(paths[1].read_bytes()[:-100])
-        self.ui.openButton.click()
-        self.assertEqual(self.scene()["names"], nodes)
-        self.assertEqual(self.chosen(), chosen)
+        self.open(*paths)
+        self.assertEqual((self.scene()["names"], self.chosen()), (nodes, chosen))
 
     def test_files_are_chosen_in_the_order_in_which_they_need_each_other(self):
-        self.fileSome()
+        paths = self.fileSome()
         before = self.chosen()["above"]
-        self.ui.openButton.click()
+        self.open(*paths)
         self.assertEqual(self.parameters.sweep.GetName(), "first")
         self.assertEqual([sweep.GetName() for sweep in self.parameters.otherSweeps], ["second"])
         self.assertEqual((self.parameters.ctVolume.GetName(), self.parameters.bone.GetName()), ("ct", "labels"))
@@ -124,8 +110,7 @@ class AIFReconWorkTest(OpenPanel):
         self.assertNotIn(above[0], before)
 
     def test_a_canceled_comparison_or_reconstruction_leaves_the_scene_as_it_was(self):
-        self.addInputs(spacing=2.0)
-        self.ui.applyButton.click()
+        self.reconstruct()
         before, output = self.scene(), self.parameters.output
         compare, apply = (self.ui.compareButton, "compare"), (self.ui.applyButton, "apply")
         for (button, work), fraction in ((compare, 0.0), (compare, 0.3), (compare, 0.6), (compare, 0.8), (compare, 0.98), (apply, 0.5)):
@@ -137,47 +122,36 @@ class AIFReconWorkTest(OpenPanel):
 
     # ---- what is seen of what was opened
 
-    def axesOf(self, image) -> np.ndarray:
-        """Directions of an image's rows and columns in RAS, (3, 2)."""
-        from AIFReconScene.transforms import ijkToRAS, matrixToWorld
-
-        return (matrixToWorld(image) @ ijkToRAS(image))[:3, :2]
-
     def test_a_recording_is_seen_at_once_in_the_plane_of_its_frame(self):
         red = slicer.app.applicationLogic().GetSliceLogicByLayoutName("Red")
         self.chooseRecording()
         self.ui.loadButton.click()
         image = self.parameters.sweep.GetProxyNode(self.parameters.sweep.GetMasterSequenceNode())
         self.assertEqual(red.GetSliceCompositeNode().GetBackgroundVolumeID(), image.GetID())
-        normal = slicer.util.arrayFromVTKMatrix(red.GetSliceNode().GetSliceToRAS())[:3, 2]
-        self.assertTrue(np.allclose(normal @ self.axesOf(image), 0.0, atol=1e-6))
+        normal = tinyScene.placeOf(red.GetSliceNode())[:3, 2]
+        np.testing.assert_allclose(normal @ tinyScene.worldOf(image)[:3, :2], 0.0, atol=1e-6)
         self.parameters.spacing = 2.0
         self.ui.applyButton.click()
         self.assertEqual(red.GetSliceNode().GetOrientation(), "Axial")
         self.assertEqual(red.GetSliceCompositeNode().GetBackgroundVolumeID(), self.parameters.output.GetID())
 
     def test_a_ct_without_a_sweep_is_seen_at_once_with_its_bone(self):
-        paths = self.fileSome()[2:]
-        self.widget._recorded._ask = lambda: paths
-        self.ui.openButton.click()
+        self.open(*self.fileSome()[2:])
         red = slicer.app.applicationLogic().GetSliceLogicByLayoutName("Red").GetSliceCompositeNode()
         self.assertEqual(red.GetBackgroundVolumeID(), self.parameters.ctVolume.GetID())
         surface = slicer.vtkSegmentationConverter.GetClosedSurfaceRepresentationName()
         self.assertTrue(self.parameters.bone.GetSegmentation().ContainsRepresentation(surface))
 
     def test_a_ct_without_bone_is_looked_at_from_outside_its_box(self):
-        paths = self.fileSome()[2:3]
+        ct = self.fileSome()[2]
         slicer.mrmlScene.Clear()
-        layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
-        layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
-        self.widget._recorded._ask = lambda: paths
-        self.ui.openButton.click()
+        slicer.app.layoutManager().setLayout(slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
+        self.open(ct)
         camera = self.threeDView().cameraNode()
         self.assertGreater(np.linalg.norm(np.subtract(camera.GetPosition(), camera.GetFocalPoint())), 10.0)
 
     def test_outlines_of_bone_are_off_by_one_press_and_stay_off(self):
-        self.addInputs(spacing=2.0)
-        self.ui.applyButton.click()
+        self.reconstruct()
         display = self.parameters.bone.GetDisplayNode()
         self.assertTrue(display.GetVisibility2D())
         self.parameters.showBoneOutlines = False
@@ -190,9 +164,7 @@ class AIFReconWorkTest(OpenPanel):
     # ---- again
 
     def test_a_result_that_was_renamed_is_not_written_over(self):
-        self.addInputs(spacing=2.0)
-        self.ui.applyButton.click()
-        mine = self.parameters.output
+        mine = self.reconstruct()
         mine.SetName("Mine")
         voxels = slicer.util.arrayFromVolume(mine).copy()
         self.parameters.spacing = 3.0
@@ -201,8 +173,7 @@ class AIFReconWorkTest(OpenPanel):
         self.assertTrue(np.array_equal(slicer.util.arrayFromVolume(mine), voxels))
 
     def test_what_was_kept_beside_a_result_goes_with_it(self):
-        self.addInputs(spacing=2.0)
-        self.ui.applyButton.click()
+        self.reconstruct()
         self.assertIn("Sweep measured", self.made())
         slicer.mrmlScene.RemoveNode(self.parameters.output)
         self.assertEqual((self.made(), self.made("vtkMRMLModelNode")), ([], []))
@@ -228,8 +199,7 @@ class AIFReconWorkTest(OpenPanel):
         slicer.mrmlScene.AddDefaultNode(usual)
         self.addCleanup(usual.UndoEnabledOff)
         slicer.mrmlScene.SetUndoOn()
-        self.addInputs(spacing=2.0)
-        self.ui.applyButton.click()
+        self.reconstruct()
         self.parameters.output = None
         self.ui.applyButton.click()
         self.assertEqual(self.weighted(), ["Sweep weighted", "Sweep weighted_1"])
@@ -242,14 +212,3 @@ class AIFReconWorkTest(OpenPanel):
     def weighted(self) -> list:
         """What was made, without the plain echo that is kept beside it."""
         return [name for name in self.made() if "measured" not in name]
-
-    def test_a_scene_that_is_added_to_another_leaves_both_sweeps_usable(self):
-        self.addInputs(spacing=2.0)
-        tinyScene.saveAndOpenAgain(self, beside=True)
-        sweeps = slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode")
-        self.assertEqual(len(sweeps), 2)
-        volumes = []
-        for sweep in sweeps:
-            self.parameters.sweep, self.parameters.output = sweep, None
-            volumes.append(self.applied())
-        np.testing.assert_array_equal(*volumes)

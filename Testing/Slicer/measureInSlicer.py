@@ -5,8 +5,8 @@
 
 A run: the sample in one press, again, the comparison, the CT placed, guidance. A scan: SECONDS (60) of a simulated patient at 30 frames/s
 of 640 x 480 from a process of its own, with guidance and recording, its box from a first look over all, presses in its middle, Stop. What
-came of it is printed and kept in FOLDER/measured.json, pictures of the window beside it; the exit status is 0 when every step succeeded and
-every aim was met. Only buttons and what the panel shows are used, so that states of the module can be compared.
+came of it is printed and kept in FOLDER/measured.json; the exit status is 0 when every step succeeded. Only buttons and what the panel
+shows are used, so that states of the module can be compared.
 """
 
 import contextlib
@@ -46,17 +46,6 @@ SIZE = 480, 640
 ONE_SWEEP = 9.0
 """s that the scanner takes for one sweep, and a little more."""
 
-AIMS = {
-    "run: % of turns within 50 ms": (">=", 95.0),
-    "run: % of turns within 150 ms": (">=", 99.0),
-    "scan: % of turns within 50 ms": (">=", 95.0),
-    "scan: % of turns within 150 ms": (">=", 99.0),
-    "first press, s": ("<=", 20.0),
-    "frames lost": ("<=", 0.0),
-    "frame on screen after ms, 95 of 100": ("<=", 150.0),
-    "voxels after ms, 95 of 100": ("<=", 1000.0),
-}
-
 
 class Beat:
     """A timer of the event loop, and how late it came each time: for so long nothing was drawn or heard."""
@@ -64,13 +53,10 @@ class Beat:
     def __init__(self):
         self.late: dict[str, list[float]] = {}
         """ms, by step."""
-        self.step, self._last = "", time.monotonic()
-        self.also = lambda: None
-        """Done at every beat."""
+        self.step, self._last, self.also = "", time.monotonic(), lambda: None
         self._timer = qt.QTimer()
-        self._timer.setInterval(BEAT)
         self._timer.connect("timeout()", self._beat)
-        self._timer.start()
+        self._timer.start(BEAT)
 
     def begin(self, step: str) -> None:
         """What comes from now on belongs to this step; to none, if it has no name."""
@@ -91,11 +77,6 @@ class Beat:
         told: dict[str, float | str] = {}
         for limit in LIMITS:
             told[f"{kind}: % of turns within {limit} ms"] = round(100.0 * float(np.mean(late <= limit)), 2)
-        for limit in LIMITS:
-            # Of what comes in at any moment of a pause, the last part alone is heard in time
-            told[f"{kind}: % of moments within {limit} ms"] = round(
-                100.0 * float(np.sum(np.minimum(late + BEAT, limit)) / np.sum(late + BEAT)), 2
-            )
         longest = max(steps, key=lambda step: max(steps[step]))
         return told | {f"{kind}: longest pause, ms": round(max(steps[longest])), f"{kind}: longest pause in": longest}
 
@@ -146,14 +127,9 @@ class Screen:
         before, self._changed[what] = self._changed.get(what), changed
         return changed != before
 
-    def sent(self) -> list[tuple[int, float]]:
-        """Numbers of frames, and when they were sent."""
-        lines = [line.split() for line in (self._folder / "sent.txt").read_text("utf-8").splitlines()]
-        return [(int(line[0]), float(line[1])) for line in lines if len(line) == 2]
-
     def told(self) -> dict[str, float]:
         """ms from being sent to being seen."""
-        sent = self.sent()
+        sent = [(int(number), float(when)) for number, when in map(str.split, (self._folder / "sent.txt").read_text("utf-8").splitlines())]
         onScreen = [now - max(when for number, when in sent if number == seen and when <= now) for seen, now in self.frames]
         first: dict[int, float] = {}
         for number, when in sent:
@@ -163,9 +139,9 @@ class Screen:
         inVolume = [self.voxels[number] - when for number, when in first.items() if self.voxels.get(number, 0.0) >= when]
         told: dict[str, float] = {}
         for name, ages in (("frame on screen after ms", onScreen), ("voxels after ms", inVolume)):
-            for part in (50, 95, 100):
+            for part in (50, 95):
                 told[f"{name}, {part} of 100"] = round(1000.0 * float(np.percentile(ages, part))) if ages else -1.0
-        return told | {"frames shown": len(self.frames), "frames whose voxels were seen": len(inVolume)}
+        return told
 
 
 def parameters():
@@ -181,9 +157,6 @@ def shown(view: str):
 
 class Walk:
     """The module in the application, used step by step."""
-
-    LOOK_EVERY = 20
-    """ms between two looks at what is waited for."""
 
     def __init__(self, folder: pathlib.Path):
         self.folder, self.beat = folder, Beat()
@@ -204,9 +177,8 @@ class Walk:
             if time.monotonic() > end or condition():
                 loop.quit()
 
-        timer.setInterval(self.LOOK_EVERY)
         timer.connect("timeout()", look)
-        timer.start()
+        timer.start(20)
         loop.exec_()
         timer.stop()
         if what and not condition():
@@ -226,8 +198,6 @@ class Walk:
         self.seconds[step] = round(time.monotonic() - begun, 2)
         self.settle(after)
         self.beat.begin("")
-        with contextlib.suppress(Exception):  # on the host there is no window to look at
-            slicer.util.mainWindow().grab().save(str(self.folder / f"{re.sub('[^a-z]+', '-', step.lower())}.png"))
         print(f"{step}: {self.seconds[step]} s", flush=True)
 
     def run(self) -> None:
@@ -313,18 +283,10 @@ def main(arguments: list[str]) -> int:
             measured |= walk.beat.told("scan")
         except Exception as error:
             measured["failed"] = f"{type(error).__name__}: {error}"
-    memory = [float(line) for line in (folder / "scanner" / "memory.txt").read_text("utf-8").split()]
-    measured["most memory of application and worker, MB"] = max(memory, default=0.0)
-    missed = []
-    for name, value in measured.items():
-        sign, aim = AIMS.get(name, ("", 0.0))
-        isMet = not sign or (float(value) >= aim if sign == ">=" else 0.0 <= float(value) <= aim)
-        missed += [] if isMet else [name]
-        print(f"{name}: {value}" + (f"  (aim {sign} {aim:g}{'' if isMet else ', MISSED'})" if sign else ""), flush=True)
-    longest = {step: round(max(late)) for step, late in walk.beat.late.items()}
-    found = {"version": slicer.app.applicationVersion, "missed": missed, "seconds": walk.seconds, "longest_ms": longest, **measured}
+    print(*(f"{name}: {value}" for name, value in measured.items()), sep="\n", flush=True)
+    found = {"version": slicer.app.applicationVersion, "seconds": walk.seconds, **measured}
     (folder / "measured.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
-    return 1 if missed or "failed" in measured else 0
+    return 1 if "failed" in measured else 0
 
 
 if __name__ == "__main__":

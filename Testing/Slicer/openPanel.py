@@ -101,6 +101,17 @@ class OpenPanel(unittest.TestCase):
         self.ui.applyButton.click()
         return slicer.util.arrayFromVolume(self.parameters.output)
 
+    def reconstruct(self):
+        """Choose sweep, CT and bone, and press Reconstruct; the volume."""
+        self.addInputs(spacing=2.0)
+        self.ui.applyButton.click()
+        return self.parameters.output
+
+    def open(self, *paths):
+        """Press the button that opens files, and choose these."""
+        with mock.patch.object(self.widget._recorded, "_ask", return_value=list(paths)):
+            self.ui.openButton.click()
+
     def waitUntil(self, condition):
         """Let Qt work until it holds."""
         self.assertTrue(waitFor(condition), f"{self.ui.statusLabel.text} {self.ui.liveStatisticsLabel.text}")

@@ -1,10 +1,10 @@
-"""What `measureInSlicer.py` needs beside the application: a scanner, and a look at the memory of the application and its worker.
+"""What `measureInSlicer.py` needs beside the application: a scanner.
 
     PythonSlicer scannerBeside.py FOLDER PID
 
 Simulates a patient into FOLDER, in images of 640 x 480; says the port and serves the sweep over OpenIGTLink, again and again, 30 frames a
-second. In FOLDER it keeps `frames.json` (of each frame: its checksum and some bright points in mm of Reference), `sent.txt` (number of a
-frame, and when it was sent, in the time of `time.monotonic`) and `memory.txt` (MB of process PID and what it started but this, by PSS).
+second. In FOLDER it keeps `frames.json` (of each frame: its checksum and some bright points in mm of Reference) and `sent.txt` (number of
+a frame, and when it was sent, in the time of `time.monotonic`), until process PID has gone.
 """
 
 import json
@@ -19,9 +19,6 @@ import numpy as np
 SIZE, RATE, FRAMES = (480, 640), 30.0, 240
 POINTS, BRIGHT = 5, 60
 """Of each frame, and their least gray value."""
-
-MEMORY_EVERY = 2.0
-"""s."""
 
 
 def main(folder: pathlib.Path, application: int) -> None:
@@ -44,7 +41,7 @@ def main(folder: pathlib.Path, application: int) -> None:
     (folder / "frames.json").write_text(json.dumps(told), "utf-8")
     server = ReplayServer(sweep, port=0, rate=RATE, loop=True)
     messages = server.frames.messages
-    with open(folder / "sent.txt", "w", encoding="utf-8", buffering=1) as sent, open(folder / "memory.txt", "w", buffering=1) as memory:
+    with open(folder / "sent.txt", "w", encoding="utf-8", buffering=1) as sent:
 
         def noted(index: int, timestamp: float, version: int) -> bytes:
             made = messages(index, timestamp, version)
@@ -55,8 +52,7 @@ def main(folder: pathlib.Path, application: int) -> None:
         with server:
             print(server.port, flush=True)
             while os.getppid() == application:
-                memory.write(f"{used(application):.0f}\n")
-                time.sleep(MEMORY_EVERY)
+                time.sleep(1.0)
 
 
 def bright(image: np.ndarray, pose: np.ndarray) -> list:
@@ -65,32 +61,6 @@ def bright(image: np.ndarray, pose: np.ndarray) -> list:
     chosen = np.linspace(0, len(rows) - 1, min(POINTS, len(rows))).astype(int)
     pixels = np.stack([columns[chosen], rows[chosen], 0 * chosen, 1 + 0 * chosen], axis=1)
     return (pixels @ pose.T)[:, :3].tolist()
-
-
-def used(application: int) -> float:
-    """MB of a process and of what it has started, but this."""
-    parents = {int(each): parent(int(each)) for each in os.listdir("/proc") if each.isdigit()}
-    family, size = {application}, 0
-    while size < len(family):
-        size = len(family)
-        family |= {each for each, its in parents.items() if its in family and each != os.getpid()}
-    return sum(map(proportional, family)) / 1e6
-
-
-def parent(process: int) -> int:
-    try:
-        return int(pathlib.Path(f"/proc/{process}/stat").read_text("utf-8").rpartition(")")[2].split()[1])
-    except OSError:
-        return 0
-
-
-def proportional(process: int) -> int:
-    """Bytes, its part of what it shares."""
-    try:
-        lines = pathlib.Path(f"/proc/{process}/smaps_rollup").read_text("utf-8").splitlines()
-    except OSError:
-        return 0
-    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("Pss:")), 0)
 
 
 if __name__ == "__main__":

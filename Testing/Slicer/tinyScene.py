@@ -84,6 +84,23 @@ def makeSequence(shift=(0.0, 0.0, 0.0)):
     return TrackedSequence(np.stack(images), records)
 
 
+def writeForeign(folder, sequence) -> np.ndarray:
+    """A sweep as an array of images, images.npy, and a table of two tools, poses.csv, in ms; its poses, (frames, 4, 4)."""
+    from AIFReconLib.sweep.poses import sweep_poses
+
+    np.save(folder / "images.npy", np.asarray(sequence.images))
+    columns = [f"{tool}_{word}" for tool in ("Probe", "Patient") for word in ("x", "y", "z", "qx", "qy", "qz", "qw")]
+    lines, poses = [",".join(["stamp", *columns])], sweep_poses(sequence).image_to_reference
+    for number, pose in enumerate(poses):
+        seen, turn = [""] * 7, [0.0] * 4
+        if np.isfinite(pose).all():
+            vtk.vtkMath.Matrix3x3ToQuaternion((pose[:3, :3] / np.linalg.norm(pose[:3, :3], axis=0)).tolist(), turn)
+            seen = [repr(float(each)) for each in (*pose[:3, 3], *turn[1:], turn[0])]
+        lines.append(",".join([str(100 * number), *seen, "1", "2", f"{3 + number / 100}", "0", "0", "0", "1"]))
+    (folder / "poses.csv").write_text("\n".join(lines))
+    return poses
+
+
 def addSweep(name="Sweep", shift=(0.0, 0.0, 0.0)):
     """The sweep as a sequence browser node of the scene, moved by `shift` (mm)."""
     from AIFReconScene.sweep.sequenceNodes import browserFromSequence

@@ -16,7 +16,7 @@ any is loaded (`start_up.py`); closing the window or `slicer.util.exit` unloads 
 middle of whatever Python does (`SlicerHost.run`), and a destroyed widget raises what PythonQt raises.
 
 What it cannot show: nothing is drawn in views, so no displayable manager, no interaction and no picture of a slice; no readers or
-writers of the application (`slicer.util.loadVolume` fails), no panels of C++ modules, no language but a test's, no packaging, no packages
+writers of the application (`slicer.util.loadVolume` fails), no panels of C++ modules, no other language, no packaging, no packages
 installed (`pip_install` refuses). The look is Qt's Fusion style, with what CTK draws itself drawn alike. Which node a selector falls
 back to when its node goes is that of a plain list. Python classes that derive from Qt classes cannot override their C++ methods.
 Parameters are of the types, and with the rules, that the module has.

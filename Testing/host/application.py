@@ -5,6 +5,7 @@ from __future__ import annotations
 from PySide6 import QtCore, QtWidgets
 from PySide6.QtCore import Property, Signal
 
+from .node_combo_box import kept
 from .views import qSlicerLayoutManager
 from .windows import qSlicerMainWindow
 
@@ -34,15 +35,7 @@ class qSlicerCommandOptions(QtCore.QObject):
     """What was asked for when the application was started: nothing. `slicer.util.exit` writes into it."""
 
     api: dict = {}
-
-    def __init__(self):
-        super().__init__()
-        self._run_python_and_exit = False
-
-    def _set(self, value):
-        self._run_python_and_exit = value
-
-    runPythonAndExit = Property(bool, lambda self: self._run_python_and_exit, _set)
+    runPythonAndExit = kept("runPythonAndExit", bool, False)
 
 
 class qSlicerApplication(QtWidgets.QApplication):
@@ -114,5 +107,3 @@ class qSlicerApplication(QtWidgets.QApplication):
         self.renderPaused.emit(False)
 
     temporaryPath = Property(str, lambda self: self._folder)
-    slicerHome = Property(str, lambda self: self._folder)
-    revision = Property(str, lambda self: "0")

@@ -117,15 +117,11 @@ class BoundSignal:
         # The declared form comes before the shorter ones that default arguments add
         return next(iter(self._signals))
 
-    def connect(self, *slot):
-        if len(slot) != 1:
-            raise ValueError("Called connect with wrong number of arguments")
-        return connect(self._owner, self._signature(), slot[0])
+    def connect(self, slot):
+        return connect(self._owner, self._signature(), slot)
 
     def disconnect(self, *slot):
         """Disconnects a callable, or all of them; False where it was not connected."""
-        if len(slot) > 1:
-            raise ValueError("Called disconnect with wrong number of arguments")
         return disconnect(self._owner, self._signature(), *slot)
 
     def emit(self, *args):
@@ -178,7 +174,7 @@ def connect(owner, signal: str, receiver) -> bool:
         raise TypeError(f"a slot must be callable; got {receiver!r}")
     signature, attribute = resolve(owner, signal)
     native = owner._object
-    slot = guarded(_call_signal(receiver) if isinstance(receiver, BoundSignal) else receiver, owner._wrap)
+    slot = guarded(receiver, owner._wrap)
     if "(" in attribute:
         connection = QtCore.QObject.connect(native, QtCore.SIGNAL(attribute), slot)
     else:
@@ -186,10 +182,6 @@ def connect(owner, signal: str, receiver) -> bool:
     # The PySide6 wrapper is kept: were it to go, PySide6 could hand out its id for another object
     _Registry.of(native).append((signature, receiver, connection, slot, native))
     return True
-
-
-def _call_signal(signal):
-    return lambda *args: signal(*args)
 
 
 def disconnect(owner, signal: str, receiver=None) -> bool:

@@ -12,39 +12,21 @@ from PySide6 import QtWidgets
 
 
 @dataclass
-class ShownDialog:
-    """A dialog that the user would have seen.
-
-    Attributes
-    ----------
-    kind : str
-        Its class.
-    title, text : str
-    """
-
-    kind: str
-    title: str = ""
-    text: str = ""
-
-
-@dataclass
 class Dialogs:
     """What was shown, and what will be answered.
 
     Attributes
     ----------
-    shown : list of ShownDialog
+    shown : list of str
+        Texts.
     answers : list
         Returned by the next dialogs, in order: an enumeration value, a path, or text.
-    progress : list of str
-        Every text that progress dialogs have shown, in order, without repetitions in a row.
     on_progress : callable or None
         Called with the value at every update of a progress dialog.
     """
 
-    shown: list[ShownDialog] = field(default_factory=list)
+    shown: list[str] = field(default_factory=list)
     answers: list = field(default_factory=list)
-    progress: list[str] = field(default_factory=list)
     on_progress: object = None
 
     def answer(self, default):
@@ -53,11 +35,10 @@ class Dialogs:
     def clear(self) -> None:
         self.shown.clear()
         self.answers.clear()
-        self.progress.clear()
         self.on_progress = None
 
     def messages(self) -> list[str]:
-        return [dialog.text for dialog in self.shown]
+        return list(self.shown)
 
 
 DIALOGS = Dialogs()
@@ -71,11 +52,6 @@ class QProgressDialog(QtWidgets.QProgressDialog):
         if DIALOGS.on_progress is not None:
             DIALOGS.on_progress(value)
 
-    def setLabelText(self, text):
-        super().setLabelText(text)
-        if text and DIALOGS.progress[-1:] != [text]:
-            DIALOGS.progress.append(text)
-
 
 def text_of(dialog) -> str:
     """What a dialog says."""
@@ -86,7 +62,7 @@ def text_of(dialog) -> str:
 
 def execute(dialog) -> int:
     """Notes a dialog in place of waiting for it; returns the prepared answer or that of Cancel."""
-    DIALOGS.shown.append(ShownDialog(type(dialog).__name__, dialog.windowTitle().strip(), text_of(dialog)))
+    DIALOGS.shown.append(text_of(dialog))
     if isinstance(dialog, QtWidgets.QMessageBox):
         buttons = dialog.standardButtons()
         default = next(
@@ -98,11 +74,11 @@ def execute(dialog) -> int:
     return int(DIALOGS.answer(0))
 
 
-def ask_statically(kind: str, default):
+def ask_statically(default):
     """A function that stands for a static dialog such as QFileDialog.getSaveFileName."""
 
     def ask(*args):
-        DIALOGS.shown.append(ShownDialog(kind, *(str(argument) for argument in args[1:3])))
+        DIALOGS.shown.append(str(args[1]))
         return DIALOGS.answer(default)
 
     return ask

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from . import view_frames
+
 PANEL_WIDTH = 400
 PROGRESS_AT = 0.45
 """Share of the work at which the dialog is pictured."""
@@ -20,7 +22,7 @@ BESIDE = (340, 300)
 
 def empty(module, folder: Path) -> None:
     """step-1-empty.png: the panel in an empty scene, with the reason why nothing can be reconstructed."""
-    _write(_panel(module), folder / "step-1-empty.png")
+    view_frames.write_png(_panel(module), folder / "step-1-empty.png")
 
 
 def imported(module, folder: Path) -> None:
@@ -28,25 +30,16 @@ def imported(module, folder: Path) -> None:
     import tempfile
 
     import numpy as np
+    import tinyScene
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
-    from scipy.spatial.transform import Rotation
 
-    from AIFReconLib.sweep.poses import sweep_poses
-    from host import view_frames
-
-    sequence, importer = sequenceFromBrowser(module.parameters.sweep), module.widget._recorded.importer
-    poses = sweep_poses(sequence).image_to_reference
-    spacing = np.linalg.norm(poses[0][:3, :2], axis=0)
-    heading = ["time", *(f"{tool}_{word}" for tool in ("Probe", "Patient") for word in ("x", "y", "z", "qx", "qy", "qz", "qw"))]
-    turns = Rotation.from_matrix(poses[:, :3, :3] / np.linalg.norm(poses[:, :3, :3], axis=1, keepdims=True)).as_quat()
-    patient = [12.0, -40.0, 95.0, 0.0, 0.0, 0.0, 1.0]
-    rows = [[50 * number, *pose[:3, 3], *turn, *patient] for number, (pose, turn) in enumerate(zip(poses, turns, strict=True))]
+    importer = module.widget._recorded.importer
     with tempfile.TemporaryDirectory() as name:
-        np.save(Path(name) / "sweep.npy", np.asarray(sequence.images))
-        (Path(name) / "tracker.csv").write_text("\n".join(",".join(map(str, row)) for row in [heading, *rows]))
+        poses = tinyScene.writeForeign(Path(name), sequenceFromBrowser(module.parameters.sweep))
+        spacing = np.linalg.norm(poses[0][:3, :2], axis=0)
         module.press(module.widget.ui.importButton)
         ui = importer._ui
-        ui.imagesLineEdit.currentPath, ui.posesLineEdit.currentPath = str(Path(name) / "sweep.npy"), str(Path(name) / "tracker.csv")
+        ui.imagesLineEdit.currentPath, ui.posesLineEdit.currentPath = str(Path(name) / "images.npy"), str(Path(name) / "poses.csv")
         ui.transformComboBox.currentIndex = 1
         module.press(ui.importCheckButton)
         for question, answer in (("tool", "Probe"), ("time_unit", "ms"), ("spacing", f"{spacing[0]:.4g} {spacing[1]:.4g}")):
@@ -66,8 +59,6 @@ def registration(module, folder: Path) -> None:
     """step-registration.png: a CT that lies 9 mm off is checked, then placed: the section, and the echoes in a slice and in 3D."""
     import numpy as np
     import slicer
-
-    from host import view_frames
 
     ui, parameters = module.widget.ui, module.parameters
     transform = parameters.bone.GetParentTransformNode()
@@ -105,8 +96,6 @@ def _echoes_in_3d(module):
 
 def guidance(module, folder: Path) -> None:
     """step-guidance.png: the bone in the colors of how the sweep met it, with the ghost of the probe, and what the panel says of it."""
-    from host import view_frames
-
     ui = module.widget.ui
     ui.coverageMoreButton.checked = True
     ui.guidanceCheckBox.click()
@@ -123,8 +112,6 @@ def guidance(module, folder: Path) -> None:
 
 def settings(module, folder: Path) -> None:
     """step-3-settings.png: the settings, all opened, in two columns."""
-    from host import view_frames
-
     ui = module.widget.ui
     groups = [ui.displayGroupBox, ui.volumeGroupBox, ui.volumeAdvancedGroupBox, ui.advancedGroupBox, ui.boneAdvancedGroupBox]
     groups += [ui.imageAdvancedGroupBox, ui.loadGroupBox, ui.compareGroupBox, ui.settingsCollapsibleButton]
@@ -134,7 +121,7 @@ def settings(module, folder: Path) -> None:
     whole = _panel(module)
     margin, middle, end = _top(module, ui.settingsCollapsibleButton), _top(module, ui.boneAdvancedGroupBox) - 4, whole.height()
     columns = [whole.copy(0, top, PANEL_WIDTH, bottom - top) for top, bottom in ((margin, middle), (middle, end))]
-    _write(view_frames.tiled([columns], background=_background(module)), folder / "step-3-settings.png")
+    view_frames.write_png(view_frames.tiled([columns], background=_background(module)), folder / "step-3-settings.png")
     for group in groups:
         group.collapsed = True
 
@@ -142,8 +129,6 @@ def settings(module, folder: Path) -> None:
 def progress(module, folder: Path) -> None:
     """step-4-progress.png: the dialog during the reconstruction, which this starts."""
     from PySide6 import QtWidgets
-
-    from host import view_frames
 
     pictures: list = []
 
@@ -155,13 +140,11 @@ def progress(module, folder: Path) -> None:
     module.host.dialogs.on_progress = look
     module.press(module.widget.ui.applyButton)
     module.host.dialogs.on_progress = None
-    _write(pictures[0], folder / "step-4-progress.png")
+    view_frames.write_png(pictures[0], folder / "step-4-progress.png")
 
 
 def result(module, folder: Path) -> None:
     """step-5-result.png: the volume over the CT in three planes, and rendered in 3D with the bone of the CT."""
-    from host import view_frames
-
     parameters = module.parameters
     views = {name: module.slice_view(name, SIZE) for name in ("Red", "Yellow", "Green")}
     parameters.volumeRendering = True
@@ -173,22 +156,8 @@ def result(module, folder: Path) -> None:
     view_frames.write_png(view_frames.tiled([[views["Red"], shown], [views["Yellow"], views["Green"]]]), folder / "step-5-result.png")
 
 
-def compared(module, views: list, folder: Path) -> None:
-    """step-7-compare.png: the methods side by side, and the table of how well each shows bone."""
-    import slicer
-
-    from host import view_frames
-
-    table = slicer.mrmlScene.GetNodeByID(slicer.mrmlScene.GetSingletonNode("AIFReconTable", "vtkMRMLTableViewNode").GetTableNodeID())
-    width = 2 * views[0].width() + view_frames.GAP
-    below = view_frames.titled(_table(table, width), table.GetName())
-    view_frames.write_png(view_frames.tiled([views[:2], views[2:], [below]]), folder / "step-7-compare.png")
-
-
 def live(module, views: list, folder: Path) -> None:
     """step-8-live.png: the tab Live and the views during a scan."""
-    from host import view_frames
-
     top = _top(module, module.widget.ui.tabWidget)
     whole = _panel(module)
     section = whole.copy(0, top, PANEL_WIDTH, min(whole.height() - top, views[0].height()))
@@ -196,7 +165,7 @@ def live(module, views: list, folder: Path) -> None:
 
 
 def _panel(module):
-    return module.host.picture(module.widget.parent, width=PANEL_WIDTH).toImage()
+    return module.host.picture(module.widget.parent, PANEL_WIDTH)
 
 
 def _top(module, widget) -> int:
@@ -212,32 +181,3 @@ def _background(module) -> int:
     from PySide6 import QtWidgets
 
     return QtWidgets.QApplication.palette().window().color().red()
-
-
-def _table(node, width: int):
-    """A table node as the table view shows it."""
-    from PySide6 import QtCore, QtWidgets
-
-    table = node.GetTable()
-    columns = [table.GetColumn(number) for number in range(table.GetNumberOfColumns())]
-    view = QtWidgets.QTableWidget(table.GetNumberOfRows(), len(columns))
-    view.setHorizontalHeaderLabels([column.GetName() for column in columns])
-    for place, column in enumerate(columns):
-        for row in range(table.GetNumberOfRows()):
-            view.setItem(row, place, QtWidgets.QTableWidgetItem(column.GetVariantValue(row).ToString()))
-    header = view.horizontalHeader()
-    header.setDefaultAlignment(QtCore.Qt.AlignmentFlag.AlignCenter | QtCore.Qt.TextFlag.TextWordWrap)
-    header.setMinimumHeight(2 * view.fontMetrics().lineSpacing() + 8)
-    header.setSectionResizeMode(QtWidgets.QHeaderView.ResizeMode.Stretch)
-    header.setSectionResizeMode(0, QtWidgets.QHeaderView.ResizeMode.ResizeToContents)
-    view.verticalHeader().hide()
-    view.verticalHeader().setDefaultSectionSize(view.fontMetrics().lineSpacing() + 8)
-    view.setFrameShape(QtWidgets.QFrame.Shape.NoFrame)
-    view.resize(width, header.minimumHeight() + sum(view.rowHeight(row) for row in range(view.rowCount())))
-    return view.grab().toImage()
-
-
-def _write(picture, path: Path) -> None:
-    from host import view_frames
-
-    view_frames.write_png(picture, path)

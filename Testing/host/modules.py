@@ -14,26 +14,20 @@ import slicer
 from PySide6 import QtCore, QtGui, QtWidgets
 from PySide6.QtCore import Property
 
+from .node_combo_box import kept
 from .pythonqt import wrap
 from .widgets_qmrml import qSlicerWidget
 
 
-def _held(name, kind, writable=True):
-    def write(self, value):
-        self._values[name] = value
-
-    return Property(kind, lambda self: self._values[name], write if writable else None)
-
-
 class _Module(QtCore.QObject):
-    """What both kinds of modules have."""
+    """What all kinds of modules have."""
+
+    api: dict = {"methods": ("logic", "setMRMLScene", "widgetRepresentation")}
 
     def __init__(self, name, path="", logic=None):
         super().__init__()
         self.setObjectName(name)
-        self._logic = logic
-        self._values = {"name": name, "title": name, "path": path, "categories": [], "dependencies": [], "contributors": []}
-        self._values |= {"helpText": "", "acknowledgementText": "", "hidden": False, "index": -1, "associatedNodeTypes": []}
+        self._logic, self._path = logic, path
 
     def logic(self):
         return self._logic
@@ -45,23 +39,15 @@ class _Module(QtCore.QObject):
         """The module's panel: None, since panels of C++ modules are not supplied."""
         return
 
-    createNewWidgetRepresentation = widgetRepresentation
-
-    name = _held("name", str, writable=False)
-    path = _held("path", str, writable=False)
-
-
-MODULE_METHODS = ("logic", "setMRMLScene", "widgetRepresentation", "createNewWidgetRepresentation")
+    name = Property(str, lambda self: self.objectName())
+    path = Property(str, lambda self: self._path)
+    dependencies = kept("dependencies", "QStringList", [])
 
 
 class qSlicerLoadableModule(_Module):
     """A module whose logic is C++: the logic is real, there is no panel."""
 
-    api: dict = {"methods": MODULE_METHODS}
-    title = _held("title", str, writable=False)
-    categories = _held("categories", "QStringList", writable=False)
-    dependencies = _held("dependencies", "QStringList", writable=False)
-    contributors = _held("contributors", "QStringList", writable=False)
+    api: dict = {}
 
 
 class qMRMLSequenceBrowserToolBar(QtWidgets.QToolBar):
@@ -83,16 +69,7 @@ class qMRMLSequenceBrowserToolBar(QtWidgets.QToolBar):
 class qSlicerSequencesModule(qSlicerLoadableModule):
     """The Sequences module with its tool bar."""
 
-    api: dict = {
-        "methods": (
-            *MODULE_METHODS,
-            "toolBar",
-            "isToolBarVisible",
-            "setToolBarVisible",
-            "setToolBarActiveBrowserNode",
-            "showSequenceBrowser",
-        )
-    }
+    api: dict = {"methods": ("toolBar", "isToolBarVisible", "setToolBarVisible", "showSequenceBrowser")}
 
     def __init__(self, name, path="", logic=None):
         super().__init__(name, path, logic)
@@ -107,47 +84,35 @@ class qSlicerSequencesModule(qSlicerLoadableModule):
     def setToolBarVisible(self, visible):
         self._bar.setVisible(visible)
 
-    def setToolBarActiveBrowserNode(self, node):
-        self._bar.setActiveBrowserNode(node)
-
     def showSequenceBrowser(self, node):
-        self.setToolBarActiveBrowserNode(node)
-        self.setToolBarVisible(True)
+        self._bar.setActiveBrowserNode(node)
+        self._bar.show()
         return True
 
 
 class qSlicerScriptedLoadableModule(_Module):
     """A module made of a Python file."""
 
-    api = {"methods": MODULE_METHODS}
+    api: dict = {}
 
     def __init__(self, path: str):
         super().__init__(Path(path).stem, path, slicer.vtkSlicerScriptedLoadableModuleLogic())
         self._widget = None
-        self._values["icon"] = QtGui.QIcon()
 
     def widgetRepresentation(self):
-        if self._widget is None and hasattr(sys.modules[self._values["name"]], f"{self._values['name']}Widget"):
-            self._widget = self.createNewWidgetRepresentation()
+        if self._widget is None and hasattr(sys.modules[self.name], f"{self.name}Widget"):
+            self._widget = qSlicerScriptedLoadableModuleWidget(self.name)
+            self._widget.setPythonSource(self._path)
+            self._widget.setMRMLScene(slicer.mrmlScene)
+            self._widget.setup()
         return self._widget
 
-    def createNewWidgetRepresentation(self):
-        widget = qSlicerScriptedLoadableModuleWidget(self._values["name"])
-        widget.setPythonSource(self._values["path"])
-        widget.setMRMLScene(slicer.mrmlScene)
-        widget.setup()
-        return widget
-
-    title = _held("title", str)
-    categories = _held("categories", "QStringList")
-    dependencies = _held("dependencies", "QStringList")
-    contributors = _held("contributors", "QStringList")
-    helpText = _held("helpText", str)
-    acknowledgementText = _held("acknowledgementText", str)
-    associatedNodeTypes = _held("associatedNodeTypes", "QStringList")
-    hidden = _held("hidden", bool)
-    index = _held("index", int)
-    icon = _held("icon", QtGui.QIcon)
+    title = kept("title", str, "")
+    categories = kept("categories", "QStringList", [])
+    contributors = kept("contributors", "QStringList", [])
+    helpText = kept("helpText", str, "")
+    acknowledgementText = kept("acknowledgementText", str, "")
+    icon = kept("icon", QtGui.QIcon, None)
 
 
 class qSlicerScriptedLoadableModuleWidget(qSlicerWidget):
@@ -162,9 +127,6 @@ class qSlicerScriptedLoadableModuleWidget(qSlicerWidget):
         super().__init__()
         QtWidgets.QVBoxLayout(self)
         self._module_name = module_name
-        self._entered = False
-        self._python = None
-        self._path = ""
 
     def setPythonSource(self, path):
         """Makes the Python object of the class that the loaded module has now."""
@@ -180,18 +142,17 @@ class qSlicerScriptedLoadableModuleWidget(qSlicerWidget):
         self.setPythonSource(self._path)
         self.setup()
 
+    isEntered = kept("isEntered", bool, False)
+
     def enter(self):
-        self._entered = True
+        self.isEntered = True
         if hasattr(self._python, "enter"):
             self._python.enter()
 
     def exit(self):
-        self._entered = False
+        self.isEntered = False
         if hasattr(self._python, "exit"):
             self._python.exit()
-
-    isEntered = Property(bool, lambda self: self._entered)
-    moduleName = Property(str, lambda self: self._module_name)
 
 
 def load_file(name: str, path: str):
@@ -200,15 +161,11 @@ def load_file(name: str, path: str):
     if folder not in sys.path:
         sys.path.append(folder)
     spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None, path
-    assert spec.loader is not None, path
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise
+    spec.loader.exec_module(module)
     return module
 
 
@@ -223,7 +180,7 @@ def instantiate(path: str) -> qSlicerScriptedLoadableModule:
 
 def load(application, module) -> None:
     """Makes a module known as `slicer.modules.<name>` and has it set itself up."""
-    name = module._values["name"]
+    name = module.name
     register(application, module)
     instance = getattr(slicer.modules, f"{name}Instance", None)
     if instance is not None and hasattr(instance, "setup"):
@@ -233,7 +190,7 @@ def load(application, module) -> None:
 
 def register(application, module) -> None:
     """Makes a module known by its name."""
-    name = module._values["name"]
+    name = module.name
     application.moduleManager().loaded[name] = module
     setattr(slicer.modules, name.lower(), wrap(module))
     setattr(slicer.moduleNames, name, name)

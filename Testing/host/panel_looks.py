@@ -72,23 +72,12 @@ class Panel:
         self.letters_at_first = QtWidgets.QApplication.font().pointSizeF()
         self.open_at_first = {each.objectName() for each in sections(self.native) if not each.property("collapsed")}
 
-    def choose_inputs(self) -> None:
-        import tinyScene
-
-        parameters = self.widget._parameterNode
-        parameters.sweep = tinyScene.addSweep()
-        parameters.ctVolume, parameters.bone, _registration = tinyScene.addCT()
-        parameters.spacing = 1.0
-        self.host.raise_slot_errors()
-
-    def lay_out(self, width=PANEL_WIDTH) -> None:
-        self.native.ensurePolished()
-        self.native.resize(width, self.native.height())
-        self.native.show()
-        self.host.process_events()
+    def lay_out(self) -> None:
+        self.host.picture(self.native, PANEL_WIDTH)
         before = None
         while before != (before := self.places()):  # what shows itself late asks for its room late
-            for wide in (width + 1, width, width):  # layouts keep what other letters asked for, until they get another width
+            # Layouts keep what other letters asked for, until they get another width
+            for wide in (PANEL_WIDTH + 1, PANEL_WIDTH, PANEL_WIDTH):
                 self.native.resize(wide, self.native.layout().totalHeightForWidth(wide))
                 self.host.process_events()
 
@@ -178,7 +167,7 @@ def walk_by_tab(panel) -> list:
 
 def by_keyboard(panel) -> dict:
     """What Tab does not reach, what shows no focus, and what has no name."""
-    from PySide6 import QtCore, QtGui, QtWidgets
+    from PySide6 import QtCore, QtWidgets
 
     walked = walk_by_tab(panel)
     wanted = {
@@ -188,8 +177,7 @@ def by_keyboard(panel) -> dict:
     }
     unnamed, unmarked = [], []
     for each in walked:
-        owner = next((up for up in ancestors(each, panel.native) if name_of(up, QtGui)), None)
-        if owner is None:
+        if not any(map(name_of, ancestors(each, panel.native))):
             unnamed.append(named(each))
         if isinstance(each, QtWidgets.QPushButton | QtWidgets.QCheckBox | QtWidgets.QLineEdit) and not marks_focus(panel, each):
             unmarked.append(named(each))
@@ -206,10 +194,12 @@ def ancestors(widget, top):
         widget = widget.parentWidget()
 
 
-def name_of(widget, gui) -> str:
+def name_of(widget) -> str:
     """What a screen reader says of a widget: its own name or text, or that of the label whose buddy it is."""
-    interface = gui.QAccessible.queryAccessibleInterface(widget)
-    return interface.text(gui.QAccessible.Text.Name) if interface is not None else ""
+    from PySide6 import QtGui
+
+    interface = QtGui.QAccessible.queryAccessibleInterface(widget)
+    return interface.text(QtGui.QAccessible.Text.Name) if interface is not None else ""
 
 
 def marks_focus(panel, widget) -> bool:
@@ -236,22 +226,14 @@ def applied_by_keyboard(panel) -> bool:
 
 
 def scrolls(panel) -> dict:
-    """How far the panel can be scrolled on a small screen, across and down; back in its place afterwards."""
-    from PySide6 import QtWidgets
-
-    area = QtWidgets.QScrollArea()
-    area.setWidgetResizable(True)
-    area.setWidget(panel.native)
-    area.resize(*SMALL_SCREEN)
-    area.show()
-    panel.host.process_events()
-    across, down = area.horizontalScrollBar().maximum(), area.verticalScrollBar().maximum()
-    panel.native.setParent(None)
-    return {"across": across, "down": down}
+    """How far the panel is scrolled on a small screen, across and down: by what does not go into it."""
+    least, (width, height) = panel.native.minimumSizeHint(), SMALL_SCREEN
+    return {"across": max(0, least.width() - width), "down": panel.native.layout().totalHeightForWidth(width) - height}
 
 
 def look_around(panel) -> dict:
     """Everything that is looked at."""
+    import tinyScene
 
     found: dict = {"pixels per point": panel.native.devicePixelRatioF(), "cut": {}, "newcomer": {}}
     for number, name in enumerate(TABS):
@@ -261,7 +243,10 @@ def look_around(panel) -> dict:
     set_look(panel, opened=True, letters=LARGE)
     panel.lay_out()
     found["cut"]["without inputs"] = cut_texts(panel)
-    panel.choose_inputs()
+    parameters = panel.widget._parameterNode
+    parameters.sweep, parameters.spacing = tinyScene.addSweep(), 1.0
+    parameters.ctVolume, parameters.bone, _registration = tinyScene.addCT()
+    panel.host.raise_slot_errors()
     for name, look in LOOKS.items():
         set_look(panel, **look)
         panel.lay_out()

@@ -4,7 +4,7 @@ Slicer's Python reaches Qt through PythonQt, which is property based; PySide6, w
 object that a module gets hold of is therefore a wrapper around the PySide6 object. A name is looked up as PythonQt does it: Qt
 property first (so `label.text` is a string, and `label.text()` fails), then signal or method; dynamic properties and children by name,
 which PythonQt finds too, are not found here. Setting a name that is no property raises AttributeError, unless a Python class derives
-from the Qt class. A stand-in for a class of CTK or Slicer shows only what its table in `api_tables.py` admits, beside what it
+from the Qt class. A stand-in for a class of CTK or Slicer shows only what its table `api` admits, beside what it
 inherits from Qt.
 """
 
@@ -54,7 +54,7 @@ class PythonQtMeta(type):
     """Class attributes of wrapped classes: static methods and enumeration values."""
 
     def __getattr__(cls, name):
-        native = cls.__dict__.get("_native") or next((base.__dict__["_native"] for base in cls.__mro__ if "_native" in base.__dict__), None)
+        native = cls._native
         if native is not None and not name.startswith("_") and is_offered(native, name):
             found = getattr(native, name, None)
             if isinstance(found, enum.Enum):
@@ -86,16 +86,7 @@ class Wrapper(metaclass=PythonQtMeta):
 
     def __init__(self, *args):
         native = type(self)._native
-        if native is None:
-            raise TypeError(f"{type(self).__name__} cannot be created from Python")
-        table = native.__dict__.get("api")
-        if table is not None and not (not args or (len(args) == 1 and (args[0] is None or isinstance(args[0], Wrapper)))):
-            raise ValueError(f"{type(self).__name__} can be created with a parent only; got {args!r}")
-        if (
-            isinstance(native, type)
-            and issubclass(native, QtCore.QObject)
-            and any("eventFilter" in vars(each) for each in type(self).__mro__)
-        ):
+        if issubclass(native, QtCore.QObject) and any("eventFilter" in vars(each) for each in type(self).__mro__):
             native = _filtering(native, weakref.ref(self))
         self._adopt(native(*map(unwrap, args)))
 
@@ -250,7 +241,7 @@ def wrapper_class(native: Any) -> type:
     """The wrapper class of a PySide6 class or of a stand-in; the same one every time."""
     made = native.__dict__.get("_wrapper_class") if not native.__module__.startswith(_BUILTIN) else _MADE.get(native)
     if made is None:
-        namespace = {"_native": native, "_generated": True, "__slots__": (), "__module__": "PythonQt", **getattr(native, "extras", {})}
+        namespace = {"_native": native, "_generated": True, "__slots__": (), "__module__": "PythonQt"}
         made = PythonQtMeta(native.__name__, (Wrapper,), namespace)
         if native.__module__.startswith(_BUILTIN):
             _MADE[native] = made
@@ -273,10 +264,6 @@ def wrap(value):
         known = Wrapper._wrappers.get(id(value))
         if known is not None and known._object is value:
             return known
-        if isinstance(value, QtCore.QByteArray):
-            return value.data()
-        if value.__class__.__name__ in ("QKeyCombination",):
-            return value.toCombined()
         made = object.__new__(wrapper_class(type(value)))
         made._adopt(value)
         return made

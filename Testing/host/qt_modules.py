@@ -7,20 +7,7 @@ import types
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from . import dialogs, ui_loader, widgets_collapsible, widgets_ctk, widgets_qmrml
-from .pythonqt import PythonQtMeta, Wrapper, wrapper_class
-
-CTK_NOT_MADE = (
-    "ctkCheckBox",
-    "ctkCheckablePushButton",
-    "ctkColorPickerButton",
-    "ctkDirectoryButton",
-    "ctkDoubleRangeSlider",
-    "ctkDoubleSlider",
-    "ctkDoubleSpinBox",
-    "ctkRangeWidget",
-)
-SLICER_NOT_MADE = ("qMRMLRangeWidget", "qMRMLSpinBox")
-"""Classes that Slicer's own Python names when it looks for the kind of a widget. They exist and cannot be created."""
+from .pythonqt import wrapper_class
 
 OWN_CLASSES = {"QUiLoader": ui_loader.QUiLoader, "QProgressDialog": dialogs.QProgressDialog}
 
@@ -28,21 +15,6 @@ OWN_CLASSES = {"QUiLoader": ui_loader.QUiLoader, "QProgressDialog": dialogs.QPro
 def stand_ins(module) -> dict[str, type]:
     """The stand-in classes of a module, by name."""
     return {name: kind for name, kind in vars(module).items() if isinstance(kind, type) and "api" in kind.__dict__}
-
-
-def not_made(name: str) -> type:
-    """A class that cannot be created."""
-    return PythonQtMeta(name, (Wrapper,), {"_native": None, "_generated": True, "__slots__": ()})
-
-
-class _Dialog:
-    """What a wrapper of a dialog does in place of waiting."""
-
-    def exec_(self):
-        return dialogs.execute(self._object)
-
-    def exec(self):
-        return dialogs.execute(self._object)
 
 
 class QtModule(types.ModuleType):
@@ -56,7 +28,7 @@ class QtModule(types.ModuleType):
             raise AttributeError(f"module 'qt' has no attribute '{name}'")
         made = wrapper_class(native)
         for method, default in dialogs.STATIC.items() if name == "QFileDialog" else ():
-            type.__setattr__(made, method, staticmethod(dialogs.ask_statically(name, default)))
+            type.__setattr__(made, method, staticmethod(dialogs.ask_statically(default)))
         setattr(self, name, made)
         return made
 
@@ -66,17 +38,14 @@ def make_modules():
     for kind in (QtWidgets.QDialog, *_subclasses(QtWidgets.QDialog), widgets_ctk.ctkMessageBox):
         made = wrapper_class(kind)
         if kind is not dialogs.QProgressDialog:
-            made.exec_, made.exec = _Dialog.exec_, _Dialog.exec
+            made.exec_ = made.exec = lambda self: dialogs.execute(self._object)
     ctk_kinds = {**stand_ins(widgets_collapsible), **stand_ins(widgets_ctk)}
     ui_loader.QUiLoader.stand_ins = {**ctk_kinds, **stand_ins(widgets_qmrml)}
     qt = QtModule("qt")
     ctk = types.ModuleType("ctk")
     for name, kind in ctk_kinds.items():
         setattr(ctk, name, wrapper_class(kind))
-    for name in CTK_NOT_MADE:
-        setattr(ctk, name, not_made(name))
-    mrml = {name: wrapper_class(kind) for name, kind in stand_ins(widgets_qmrml).items() if "ctk" not in name}
-    return qt, ctk, mrml | {name: not_made(name) for name in SLICER_NOT_MADE}
+    return qt, ctk, {name: wrapper_class(kind) for name, kind in stand_ins(widgets_qmrml).items()}
 
 
 def _subclasses(kind):

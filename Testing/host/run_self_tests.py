@@ -1,6 +1,6 @@
 """Runs AIFRecon's self tests on the host, alone in one process: those of the module's file and Testing/Slicer/*Test.py.
 
-    python Testing/host/run_self_tests.py [-k WORD ...] [--list]
+    python Testing/host/run_self_tests.py [-k WORD ...]
 
 The exit status is 0 when all passed, 1 when one failed, 2 when the host cannot run here or the tests cannot be loaded.
 A test that hangs ends the run after LONGEST seconds: its name is the last one printed, and every thread says where it is.
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import faulthandler
-import importlib.util
 import sys
 import unittest
 from pathlib import Path
@@ -33,27 +32,15 @@ def all_cases(suite):
             yield each
 
 
-def load(path: Path):
-    """A test file as a Python module."""
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None, path
-    assert spec.loader is not None, path
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = module
-    spec.loader.exec_module(module)
-    return module
-
-
 def collect(host, module: Path, folder: Path) -> list[unittest.TestCase]:
     """Every test of the module's test class and of the test files in a folder."""
     loader = unittest.defaultTestLoader
-    loader.testMethodPrefix = "test"
     host.start(module)
     python = sys.modules[module.stem]
     cases = list(all_cases(loader.loadTestsFromTestCase(getattr(python, f"{module.stem}Test"))))
     sys.path.insert(0, str(folder))
     for path in sorted(folder.glob("*Test.py")) if folder.is_dir() else []:
-        cases += all_cases(loader.loadTestsFromModule(load(path)))
+        cases += all_cases(loader.loadTestsFromName(path.stem))
     return cases
 
 
@@ -92,7 +79,6 @@ def main(arguments=None) -> int:
     parser.add_argument("--module", type=Path, default=TESTING.parent / "AIFRecon" / "AIFRecon.py", help="the scripted module")
     parser.add_argument("--tests", type=Path, default=TESTING / "Slicer", help="folder of further test files, *Test.py")
     parser.add_argument("-k", metavar="WORD", nargs="+", default=[""], help="only tests whose name contains one of these words")
-    parser.add_argument("--list", action="store_true", help="only name the tests")
     options = parser.parse_args(arguments)
     if reason := missing():
         print(f"The self tests cannot run here: {reason}.", file=sys.stderr)
@@ -104,9 +90,9 @@ def main(arguments=None) -> int:
         print(f"The self tests cannot be loaded: {type(error).__name__}: {error}", file=sys.stderr)
         return 2
     cases = [case for case in cases if any(word in case.id() for word in options.k)]
-    if options.list or not cases:
-        print("\n".join(case.id() for case in cases) or "There is no such test.")
-        return 0 if cases else 2
+    if not cases:
+        print("There is no such test.")
+        return 2
     Result.host = host
     outcome = unittest.TextTestRunner(stream=sys.stdout, verbosity=2, resultclass=cast(Any, Result)).run(unittest.TestSuite(cases))
     host.close()

@@ -2,26 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from types import SimpleNamespace
 
 import slicer
-
-
-@dataclass
-class SampleDataSource:
-    """A data set on offer."""
-
-    sampleName: str | None = None
-    sampleDescription: str | None = None
-    uris: object = None
-    fileNames: object = None
-    nodeNames: object = None
-    checksums: object = None
-    loadFiles: object = None
-    customDownloader: object = None
-    thumbnailFileName: str | None = None
-    loadFileTypes: object = None
-    loadFileProperties: object = None
 
 
 class SampleDataLogic:
@@ -29,7 +12,7 @@ class SampleDataLogic:
 
     @staticmethod
     def registerCustomSampleDataSource(category="Custom", **described):
-        source = SampleDataSource(**described)
+        source = SimpleNamespace(**described)
         if not hasattr(slicer.modules, "sampleDataSources"):
             slicer.modules.sampleDataSources = {}
         sources = slicer.modules.sampleDataSources.setdefault(category, [])

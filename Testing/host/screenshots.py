@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "Testing"))
-from host import guide_pictures, missing, runHost, view_render  # noqa: E402 - the folder must be known first
+sys.path[:0] = [str(REPOSITORY / "Testing"), str(REPOSITORY / "Testing" / "Slicer")]
+from host import guide_pictures, missing, runHost, view_frames, view_render  # noqa: E402 - the folder must be known first
 
 SPACING, HOLE_LIMIT = 0.7, 2.0
 """mm. Coarser than the default, and without holes: the phantom's sweep has few frames, so that it is made quickly."""
@@ -73,8 +73,6 @@ class Module:
 
     def slice_view(self, name: str, size, field_of_view: float = FIELD_OF_VIEW, center=LOOK_AT):
         """A slice view under its bar, looking at a place; `center` None: where it looks already."""
-        from host import view_frames
-
         logic = self.application.GetSliceLogicByLayoutName(name)
         node = logic.GetSliceNode()
         with view_render.OffscreenSliceView(logic, self.application, size) as view:
@@ -83,15 +81,11 @@ class Module:
             node.SetFieldOfView(field_of_view, field_of_view * size[1] / size[0], 1.0)
             node.SetRulerType(node.RulerTypeThin)
             pixels = view.image()
-        return view_frames.framed(
-            pixels, view_frames.slice_title(logic), node.GetLayoutColor(), view_frames.slice_names(logic), view_frames.slice_letters(node)
-        )
+        return view_frames.framed(pixels, view_frames.slice_title(logic), node.GetLayoutColor(), view_frames.slice_letters(node))
 
     def view_3d(self, title: str, size, shown, away, distance: float, beside=(0.0, 0.0, 0.0), marked: bool = False):
         """The 3D view under its bar, looking from a direction at the middle of a node, or so far beside it; RAS mm."""
         import slicer
-
-        from host import view_frames
 
         node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
         node.SetBoxVisible(False)
@@ -102,7 +96,7 @@ class Module:
         shown.GetRASBounds(bounds)
         center = np.reshape(bounds, (3, 2)).mean(axis=1) + beside
         with view_render.OffscreenThreeDView(node, self.application, size) as view:
-            view.look(center, center + away, (0.0, 0.0, 1.0), distance)
+            view.look(center, away, distance)
             return view_frames.framed(view.image(), title, node.GetLayoutColor())
 
 
@@ -113,16 +107,16 @@ def panel(module: Module, folder: Path) -> None:
     while module.widget._recorded.lights.isLooking:
         module.host.process_events()
         time.sleep(0.05)
-    module.host.grab(module.widget.parent, folder / "panel.png", width=PANEL_WIDTH)
+    view_frames.write_png(module.host.picture(module.widget.parent, PANEL_WIDTH), folder / "panel.png")
 
 
 def compare(module: Module, folder: Path) -> None:
-    """step-7-compare.png: the methods side by side, and the table of how well each shows bone."""
+    """step-7-compare.png: the methods side by side."""
     from AIFReconLib.compounding.methods.table import COMPARED_METHODS
 
     module.press(module.widget.ui.compareButton)
     views = [module.slice_view(f"AIFRecon{number}", (440, 275), field_of_view=125.0) for number in range(1, len(COMPARED_METHODS) + 1)]
-    guide_pictures.compared(module, views, folder)
+    view_frames.write_png(view_frames.tiled([views[:2], views[2:]]), folder / "step-7-compare.png")
     module.press(module.widget.ui.singleViewButton)
 
 
@@ -134,7 +128,6 @@ def live(module: Module, folder: Path) -> None:
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     from AIFReconLib.live.replay.server import ReplayServer
-    from host import view_frames
 
     parameters, ui = module.parameters, module.widget.ui
     parameters.output, parameters.region = None, Region.AROUND_SWEEP
@@ -157,7 +150,7 @@ def live(module: Module, folder: Path) -> None:
         module.press(ui.liveUseBoxButton)
         wait(lambda: scan.statistics.inserted > FRAMES_SEEN and scan.statistics.waiting == 0 and parameters.output is not None)
         wait(lambda: ui.liveStateLabel.text == "Probe seen")
-        module.host.grab(module.widget.parent, folder / "live-panel.png", width=PANEL_WIDTH)
+        view_frames.write_png(module.host.picture(module.widget.parent, PANEL_WIDTH), folder / "live-panel.png")
         size = (330, 330)
         views = [module.slice_view("Red", size, center=None, field_of_view=110.0)]
         views += [module.slice_view(name, size) for name in ("Yellow", "Green")]
@@ -167,41 +160,23 @@ def live(module: Module, folder: Path) -> None:
     ui.tabWidget.currentIndex = 0
 
 
-def _show_frame(slice_logic, image, ct) -> np.ndarray:
-    """Lays a slice view into the plane of an image over the CT; the image's middle, RAS mm."""
-    import slicer
-    import vtk
-
-    ijk_to_ras, to_world = vtk.vtkMatrix4x4(), vtk.vtkMatrix4x4()
-    image.GetIJKToRASMatrix(ijk_to_ras)
-    image.GetParentTransformNode().GetMatrixTransformToWorld(to_world)
-    placed = slicer.util.arrayFromVTKMatrix(to_world) @ slicer.util.arrayFromVTKMatrix(ijk_to_ras)
-    columns, rows, _ = image.GetImageData().GetDimensions()
-    center = (placed @ [(columns - 1) / 2, (rows - 1) / 2, 0.0, 1.0])[:3]
-    right, down = (placed[:3, axis] / np.linalg.norm(placed[:3, axis]) for axis in (0, 1))
-    composite = slice_logic.GetSliceCompositeNode()
-    composite.SetBackgroundVolumeID(ct.GetID())
-    composite.SetForegroundVolumeID(image.GetID())
-    composite.SetForegroundOpacity(0.8)
-    slice_logic.GetSliceNode().SetSliceToRASByNTP(*np.cross(right, -down), *right, *center, 0)
-    return center
-
-
 def thumbnail(module: Module, path: Path) -> None:
     """The picture of the phantom in the Sample Data module, 260 x 280: its CT above, a frame of its sweep below."""
-    from host import view_frames
-
-    logic = module.application.GetSliceLogicByLayoutName("Red")
-    logic.GetSliceNode().SetOrientationToAxial()
-    _show_frame(logic, module.parameters.sweep.GetProxyNode(module.parameters.sweep.GetMasterSequenceNode()), module.parameters.ctVolume)
-    with view_render.OffscreenSliceView(logic, module.application, (260, 280)) as view:
-        logic.GetSliceNode().SetFieldOfView(125.0, 125.0 * 280 / 260, 1.0)
-        logic.GetSliceNode().SetRulerType(logic.GetSliceNode().RulerTypeNone)
-        pixels = view.image()
+    from AIFReconScene.display.sliceDisplay import lieIn
     from PySide6 import QtGui
 
-    picture = QtGui.QImage(pixels.data, 260, 280, 3 * 260, QtGui.QImage.Format.Format_RGB888)
-    view_frames.write_png(picture, path)
+    logic, parameters = module.application.GetSliceLogicByLayoutName("Red"), module.parameters
+    node, composite = logic.GetSliceNode(), logic.GetSliceCompositeNode()
+    image = parameters.sweep.GetProxyNode(parameters.sweep.GetMasterSequenceNode())
+    composite.SetBackgroundVolumeID(parameters.ctVolume.GetID())
+    composite.SetForegroundVolumeID(image.GetID())
+    composite.SetForegroundOpacity(0.8)
+    lieIn(node, image)
+    with view_render.OffscreenSliceView(logic, module.application, (260, 280)) as view:
+        node.SetFieldOfView(125.0, 125.0 * 280 / 260, 1.0)
+        node.SetRulerType(node.RulerTypeNone)
+        pixels = view.image()
+    view_frames.write_png(QtGui.QImage(pixels.data, 260, 280, 3 * 260, QtGui.QImage.Format.Format_RGB888), path)
 
 
 def main(arguments=None) -> int:

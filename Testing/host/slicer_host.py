@@ -80,7 +80,7 @@ class SlicerHost:
 
         for kind in (qSlicerApplication, modules.qSlicerScriptedLoadableModule, modules.qSlicerScriptedLoadableModuleWidget):
             setattr(slicer, kind.__name__, wrapper_class(kind))
-        self._modules, self._wrap = modules, wrap
+        self._modules = modules
         self._application.start(self.scene.host)
         self._application.aboutToQuit.connect(self._unload_modules)
         slicer.app = wrap(self._application)
@@ -155,11 +155,9 @@ class SlicerHost:
         start(self._application, [Path(path).resolve() for path in paths])
         self.raise_slot_errors()
 
-    def load_module(self, path):
-        """The application's object of a scripted module that is loaded while the application runs: its start is past."""
-        module = self._modules.instantiate(str(Path(path).resolve()))
-        self._modules.load(self._application, module)
-        return self._wrap(module)
+    def load_module(self, path) -> None:
+        """Loads a scripted module while the application runs: its start is past."""
+        self._modules.load(self._application, self._modules.instantiate(str(Path(path).resolve())))
 
     def open(self, name: str):
         """Opens a module as the user does, leaving the one that was open; returns its Python widget."""
@@ -167,9 +165,6 @@ class SlicerHost:
 
         slicer.util.selectModule(name)
         return getattr(slicer.modules, f"{name}Widget", None)
-
-    def unload_module(self, name: str) -> None:
-        self._modules.unload_module(self._application, name)
 
     def run(self) -> int:
         """Runs until the application is closed: by the window, or by `slicer.util.exit`; returns the exit status.
@@ -181,7 +176,7 @@ class SlicerHost:
 
     def _unload_modules(self) -> None:
         for name in reversed(list(self._application.moduleManager().loaded)):
-            self.unload_module(name)
+            self._modules.unload_module(self._application, name)
 
     # ---- tests
 
@@ -215,13 +210,6 @@ class SlicerHost:
         self.process_events()
         self.take_slot_errors()
 
-    def grab(self, widget, path, width: int | None = None, height: int | None = None):
-        """Writes a picture of a widget as PNG, one image pixel per screen pixel; returns its size. Parameters as of `picture`."""
-        picture = self.picture(widget, width, height)
-        if not picture.save(str(path), "PNG"):
-            raise OSError(f"cannot write {path}")
-        return picture.width(), picture.height()
-
     def take_out(self, widget):
         """Takes a module's panel out of the main window, if it is there, so that it can be given any size; returns it as Qt has it."""
         from .pythonqt import unwrap
@@ -231,34 +219,22 @@ class SlicerHost:
             self._application.window.panel.put(None)
         return native
 
-    def picture(self, widget, width: int | None = None, height: int | None = None):
-        """A picture of a widget, a QPixmap.
-
-        Parameters
-        ----------
-        widget : Wrapper or QWidget
-        width, height : int, optional
-            Pixels; by default the widget's present width, and the height that its contents need at that width.
-        """
+    def picture(self, widget, width: int):
+        """A picture, a QImage, of a widget of so many pixels and of the height that its contents need at that width."""
         native = self.take_out(widget)
         native.ensurePolished()
-        width = width or native.width()
         native.resize(width, native.height())
         native.show()
         self.process_events()
-        layout = native.layout()
-        wanted = layout.totalHeightForWidth(width) if layout is not None and layout.hasHeightForWidth() else native.sizeHint().height()
-        native.resize(width, height or max(wanted, 1))
+        native.resize(width, native.layout().totalHeightForWidth(width))
         self.process_events()
-        return native.grab()
+        return native.grab().toImage()
 
     def close(self) -> None:
         atexit.unregister(self.close)
         if self._application is None:
             return
-        for name, module in list(self._application.moduleManager().loaded.items()):
-            if isinstance(module, self._modules.qSlicerScriptedLoadableModule):
-                self.unload_module(name)
+        self._unload_modules()
         self.process_events()
         import shiboken6
         from PySide6 import QtCore

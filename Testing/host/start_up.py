@@ -31,29 +31,21 @@ def classes_of_modules() -> dict[str, dict[str, type]]:
 def start(application, paths) -> dict:
     """Starts the application with scripted modules from these files beside its own; the modules by name.
 
-    Raises
-    ------
-    LookupError
-        When a module depends on one that is not there; Slicer leaves it out with a warning.
-    Exception
-        Whatever a module raises when it is imported, made or set up.
+    Raises what a module raises when it is imported, made or set up, and KeyError where one depends on a module that is not there.
     """
-    manager = application.moduleManager()
-    classes = classes_of_modules()
-    own = dict(manager.loaded)
-    own_scripted = {"SampleData": sys.modules["SampleData"]}
+    classes, own = classes_of_modules(), dict(application.moduleManager().loaded)
+    sample_data = sys.modules.pop("SampleData")
     scripted = {Path(path).stem: str(path) for path in paths}
     for name in [name for kinds in classes.values() for name in kinds]:
         delattr(slicer, name)
     for name in own:
         modules.forget(application, name)
-    del sys.modules["SampleData"]
     made = {}
     try:
-        for name in sorted({*classes, *own, *own_scripted, *scripted}):
+        for name in sorted({*classes, *own, "SampleData", *scripted}):
             vars(slicer).update(classes.pop(name, {}))
-            if name in own_scripted:
-                sys.modules[name] = own_scripted.pop(name)
+            if name == "SampleData":
+                sys.modules[name] = sample_data
             if name in scripted:
                 made[name] = modules.instantiate(scripted[name])
         for name in sorted({*own, *made}):
@@ -61,7 +53,7 @@ def start(application, paths) -> dict:
     finally:
         for kinds in classes.values():
             vars(slicer).update(kinds)
-        sys.modules.update(own_scripted)
+        sys.modules["SampleData"] = sample_data
         for name in own:
             modules.register(application, own[name])
     application.startupCompleted.emit()
@@ -69,12 +61,8 @@ def start(application, paths) -> dict:
 
 
 def _load(application, name: str, made: dict) -> None:
-    loaded = application.moduleManager().loaded
-    if name in loaded:
+    if name in application.moduleManager().loaded:
         return
-    for needed in made[name]._values["dependencies"]:
-        if needed not in made and needed not in loaded:
-            raise LookupError(f"{name} depends on {needed}, which is not there")
-        if needed not in loaded:
-            _load(application, needed, made)
+    for needed in made[name].dependencies:
+        _load(application, needed, made)
     modules.load(application, made[name])

@@ -20,11 +20,6 @@ class UiFileError(RuntimeError):
     """A .ui file that Slicer could not load as it is meant."""
 
 
-def widget_elements(root):
-    """The elements of all widgets, the outermost first."""
-    return list(root.iter("widget"))
-
-
 def value_of(element, native, context=""):
     """The value in a property's element: bool, number, string, list of strings or enumeration of a stand-in.
 
@@ -110,8 +105,8 @@ class QUiLoader(QtUiTools.QUiLoader):
 
     def _check_classes(self, root, path):
         known = {*self.stand_ins, *self.availableWidgets()}
-        names = {element.get("name") for element in widget_elements(root)}
-        for element in widget_elements(root):
+        names = {element.get("name") for element in root.iter("widget")}
+        for element in root.iter("widget"):
             kind, name = element.get("class"), element.get("name")
             if kind not in known:
                 raise UiFileError(f"{path}: {name} is a {kind}, which the host does not know")
@@ -129,14 +124,11 @@ class QUiLoader(QtUiTools.QUiLoader):
     def _take_stand_in_properties(self, root):
         """Properties that Qt's loader could not set, taken out of the tree: (object name, elements)."""
         taken = []
-        for element in widget_elements(root):
+        for element in root.iter("widget"):
             kind = self.stand_ins.get(element.get("class"))
             if kind is None:
                 continue
-            own = set()
-            for base in kind.__mro__:
-                if not base.__module__.startswith(("PySide6", "Shiboken")):
-                    own |= {name for name, value in base.__dict__.items() if isinstance(value, QtCore.Property)}
+            own = {name for base in kind.__mro__ for name, value in vars(base).items() if isinstance(value, QtCore.Property)}
             properties = [each for each in element.findall("property") if each.get("name") in own and each.get("stdset") != "0"]
             for each in properties:
                 element.remove(each)

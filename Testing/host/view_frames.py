@@ -1,4 +1,4 @@
-"""Views put side by side as one picture, each with the bar, the corner names and the orientation letters that a reader of images expects.
+"""Views put side by side as one picture, each with the bar and the orientation letters that a reader of images expects.
 
 In the application these come from widgets and from a script over the views, neither of which is in slicer-core; here they are painted.
 Everything that they say is read from the MRML nodes.
@@ -48,20 +48,6 @@ def slice_letters(slice_node) -> dict[str, str]:
     }
 
 
-def slice_names(slice_logic) -> list[str]:
-    """What a slice view shows, foreground first: "F: name (60%)", "B: name"."""
-    import slicer
-
-    composite = slice_logic.GetSliceCompositeNode()
-    lines = []
-    for letter, node_id in (("F", composite.GetForegroundVolumeID()), ("B", composite.GetBackgroundVolumeID())):
-        node = slicer.mrmlScene.GetNodeByID(node_id) if node_id else None
-        if node is not None:
-            share = f" ({composite.GetForegroundOpacity():.0%})" if letter == "F" else ""
-            lines.append(f"{letter}: {node.GetName()}{share}")
-    return lines
-
-
 def slice_title(slice_logic) -> str:
     """The words in the bar of a slice view: its label, its orientation and where it lies."""
     node = slice_logic.GetSliceNode()
@@ -71,7 +57,7 @@ def slice_title(slice_logic) -> str:
     return f"{node.GetLayoutLabel()}   {orientation if letter else 'Reformat'}   {place}"
 
 
-def framed(pixels: np.ndarray, title: str, color, corner=(), letters=None) -> QtGui.QImage:
+def framed(pixels: np.ndarray, title: str, color, letters=None) -> QtGui.QImage:
     """A view under its bar.
 
     Parameters
@@ -81,8 +67,6 @@ def framed(pixels: np.ndarray, title: str, color, corner=(), letters=None) -> Qt
         In the bar.
     color : (3,) of float, 0 to 1
         The bar's color, as the layout gives it.
-    corner : sequence of str
-        Lines in the lower left corner.
     letters : dict of str to str, or None
         As `slice_letters` gives them.
     """
@@ -101,8 +85,6 @@ def framed(pixels: np.ndarray, title: str, color, corner=(), letters=None) -> Qt
     ):
         # The ruler lies along the lower edge
         _shadowed(painter, area.adjusted(0, 0, 0, -RULER), alignment, (letters or {}).get(place, ""))
-    _font(painter, 11)
-    _shadowed(painter, area, side.AlignLeft | side.AlignBottom, "\n".join(corner))
     painter.end()
     return titled(view, title, QtGui.QColor.fromRgbF(*color))
 
@@ -139,19 +121,10 @@ def tiled(rows: list[list[QtGui.QImage]], background: int = 48) -> QtGui.QImage:
     return whole
 
 
-def write_png(picture: QtGui.QImage, path) -> int:
-    """Writes a picture as small as PNG gets; returns the bytes. OSError where it cannot be written."""
-    from pathlib import Path
-
-    buffer = QtCore.QBuffer()
-    buffer.open(QtCore.QIODevice.OpenModeFlag.WriteOnly)
-    writer = QtGui.QImageWriter(buffer, b"png")
-    writer.setCompression(100)
-    if not writer.write(picture):
-        raise OSError(f"cannot write {path}: {writer.errorString()}")
-    data = bytes(buffer.data())
-    Path(path).write_bytes(data)
-    return len(data)
+def write_png(picture: QtGui.QImage, path) -> None:
+    """Writes a picture as small as PNG gets. OSError where it cannot be written."""
+    if not picture.save(str(path), "PNG", 0):  # type: ignore[call-overload]
+        raise OSError(f"cannot write {path}")
 
 
 def _font(painter, pixel_size: int, bold: bool = False) -> None:

@@ -86,17 +86,11 @@ class _View:
         self._group.SetRenderer(self._renderer)
         self._group.Initialize(factory, self._renderer)
         self._group.SetMRMLDisplayableNode(node)
-        self.node = node
 
     def __enter__(self):
         return self
 
     def __exit__(self, *exception):
-        self.close()
-
-    def close(self) -> None:
-        if self._window is None:
-            return
         self._group.SetMRMLDisplayableNode(None)
         self._group = None
         self._window.Finalize()
@@ -178,13 +172,10 @@ class OffscreenThreeDView(_View):
         # Peeling, which the view manager turns on, loses translucent lines in a window with multisampling
         self._renderer.SetUseDepthPeeling(False)
 
-    def look(self, focal_point, position, view_up, distance: float | None = None) -> None:
-        """Puts the camera somewhere, RAS mm; `distance` from the focal point, along the line to `position`."""
+    def look(self, focal_point, away, distance: float) -> None:
+        """Puts the camera so far away from a place, in a direction, the head up; RAS mm."""
         camera = self._renderer.GetActiveCamera()
-        direction = np.asarray(position, dtype=float) - focal_point
-        if distance is not None:
-            direction *= distance / np.linalg.norm(direction)
         camera.SetFocalPoint(*focal_point)
-        camera.SetPosition(*(np.asarray(focal_point, dtype=float) + direction))
-        camera.SetViewUp(*view_up)
+        camera.SetPosition(*(focal_point + distance * np.asarray(away) / np.linalg.norm(away)))
+        camera.SetViewUp(0.0, 0.0, 1.0)
         self._renderer.ResetCameraClippingRange()

@@ -12,24 +12,22 @@ import types
 import slicer
 import vtk
 from PySide6 import QtCore, QtWidgets
-from PySide6.QtCore import Property, Signal
+from PySide6.QtCore import Property
+
+from .node_combo_box import kept
 
 
 class ctkVTKAbstractView(QtWidgets.QWidget):
     """What a view draws into; nothing is drawn."""
 
-    maximumUpdateRate = Property(float, lambda self: self._rate, lambda self, rate: setattr(self, "_rate", rate))
-
-    def __init__(self):
-        super().__init__()
-        self._rate = 60.0
+    maximumUpdateRate = kept("maximumUpdateRate", float, 60.0)
 
 
 class qMRMLSliceWidget(QtWidgets.QWidget):
     """A slice view: its node and logic are real, nothing is drawn."""
 
     api = {
-        "methods": (*("sliceLogic", "sliceView", "mrmlSliceNode", "mrmlSliceCompositeNode", "pauseRender", "resumeRender"),),
+        "methods": (*("sliceLogic", "sliceView", "mrmlSliceNode", "mrmlSliceCompositeNode"),),
     }
 
     def __init__(self, logic):
@@ -48,11 +46,6 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
 
     def mrmlSliceCompositeNode(self):
         return self._logic.GetSliceCompositeNode()
-
-    def pauseRender(self):
-        """Does nothing: nothing is drawn."""
-
-    resumeRender = pauseRender
 
 
 class qMRMLThreeDView(ctkVTKAbstractView):
@@ -76,15 +69,23 @@ class qMRMLThreeDView(ctkVTKAbstractView):
 
     def renderWindow(self):
         renderers = vtk.vtkRendererCollection()
-        renderers.AddItem(self._renderer())
+        renderers.AddItem(self._renderer(self._node.GetBoxVisible()))
         return types.SimpleNamespace(GetRenderers=lambda: renderers)
 
-    def _renderer(self):
-        """With the box around all nodes, where the view shows it, and the corner's text, which counts as an actor without any place."""
-        renderer = appearing(self._node.GetScene())
+    def _renderer(self, with_box):
+        """With a box in the place of all that shows, of what the view's own box is drawn around, and the text, which has no place."""
+        renderer = vtk.vtkRenderer()
+        renderer.GetActiveCamera()
         renderer.AddViewProp(self._annotation)
-        if self._node.GetBoxVisible():
-            for bounds in _boundsOfNodes(self._node):
+        for node in slicer.util.getNodesByClass("vtkMRMLDisplayableNode", self._node.GetScene()):
+            displays = [node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())]
+            shown = []
+            if any(_showsIn3D(node, display) for display in displays if display is not None):
+                shown += _surfaceBounds(node) if node.IsA("vtkMRMLSegmentationNode") else [_rasBounds(node)]
+            if with_box and any(display is not None and display.IsDisplayableInView(self._node.GetID()) for display in displays):
+                # Volumes too, which 3D views do not show
+                shown += [] if slicer.vtkMRMLSliceLogic.IsSliceModelNode(node) else [_rasBounds(node)]
+            for bounds in filter(vtk.vtkMath.AreBoundsInitialized, shown):
                 renderer.AddActor(_boxActor(bounds))
         return renderer
 
@@ -96,20 +97,19 @@ class qMRMLThreeDView(ctkVTKAbstractView):
 
     def resetFocalPoint(self):
         camera = self.cameraNode()
-        renderer = appearing(self._node.GetScene())
-        bounds = renderer.ComputeVisiblePropBounds()
+        bounds = self._renderer(False).ComputeVisiblePropBounds()
         if vtk.vtkMath.AreBoundsInitialized(bounds):
             camera.SetFocalPoint([(bounds[axis] + bounds[axis + 1]) / 2 for axis in (0, 2, 4)])
 
     def resetCamera(self, rotation=True, translation=True, distance=True):
         """Looks at what appears from a main axis, and takes all of it in, its box too where the view shows one."""
-        self.cameraNode().Reset(rotation, translation, distance, self._renderer())
+        self.cameraNode().Reset(rotation, translation, distance, self._renderer(self._node.GetBoxVisible()))
 
 
 class qMRMLThreeDWidget(QtWidgets.QWidget):
     """A 3D view under its bar."""
 
-    api = {"methods": ("mrmlViewNode", "threeDView", "pauseRender", "resumeRender")}
+    api = {"methods": ("mrmlViewNode", "threeDView")}
 
     def __init__(self, node):
         super().__init__()
@@ -120,11 +120,6 @@ class qMRMLThreeDWidget(QtWidgets.QWidget):
 
     def threeDView(self):
         return self._view
-
-    def pauseRender(self):
-        """Does nothing: nothing is drawn."""
-
-    resumeRender = pauseRender
 
 
 def cameraOf(viewNode):
@@ -139,15 +134,6 @@ def cameraOf(viewNode):
     return camera
 
 
-def appearing(scene):
-    """A renderer with a box in the place of everything that a 3D view would show."""
-    renderer = vtk.vtkRenderer()
-    renderer.GetActiveCamera()
-    for bounds in _boundsIn3D(scene):
-        renderer.AddActor(_boxActor(bounds))
-    return renderer
-
-
 def _boxActor(bounds):
     box = vtk.vtkCubeSource()
     box.SetBounds(bounds)
@@ -157,31 +143,6 @@ def _boxActor(bounds):
     actor = vtk.vtkActor()
     actor.SetMapper(mapper)
     return actor
-
-
-def _boundsOfNodes(viewNode):
-    """RAS bounds of each node that a view's own box is drawn around: volumes too, which 3D views do not show."""
-    scene = viewNode.GetScene()
-    for index in range(scene.GetNumberOfNodesByClass("vtkMRMLDisplayableNode")):
-        node = scene.GetNthNodeByClass(index, "vtkMRMLDisplayableNode")
-        displays = [node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())]
-        shown = any(display is not None and display.IsDisplayableInView(viewNode.GetID()) for display in displays)
-        if shown and not slicer.vtkMRMLSliceLogic.IsSliceModelNode(node):
-            bounds = _rasBounds(node)
-            if vtk.vtkMath.AreBoundsInitialized(bounds):
-                yield bounds
-
-
-def _boundsIn3D(scene):
-    """RAS bounds of each node that a 3D view would show: models, closed surfaces of segments, markups and rendered volumes."""
-    for index in range(scene.GetNumberOfNodesByClass("vtkMRMLDisplayableNode")):
-        node = scene.GetNthNodeByClass(index, "vtkMRMLDisplayableNode")
-        displays = [node.GetNthDisplayNode(number) for number in range(node.GetNumberOfDisplayNodes())]
-        if not any(_showsIn3D(node, display) for display in displays if display is not None):
-            continue
-        for bounds in _surfaceBounds(node) if node.IsA("vtkMRMLSegmentationNode") else [_rasBounds(node)]:
-            if vtk.vtkMath.AreBoundsInitialized(bounds):
-                yield bounds
 
 
 def _rasBounds(node) -> list[float]:
@@ -234,10 +195,8 @@ class qSlicerLayoutManager(QtCore.QObject):
     """The views: nodes and logics are real, nothing is drawn."""
 
     api = {
-        "methods": (*("sliceWidget", "sliceViewNames", "threeDWidget", "setLayout", "pauseRender", "resumeRender"),),
-        "signals": {"layoutChanged(int)": "layoutChanged"},
+        "methods": (*("sliceWidget", "sliceViewNames", "threeDWidget", "setLayout"),),
     }
-    layoutChanged = Signal(int)
 
     def __init__(self, mrml) -> None:
         super().__init__()
@@ -265,18 +224,16 @@ class qSlicerLayoutManager(QtCore.QObject):
     def _watch(self):
         """Fits every slice view after it has changed, and gives every 3D view its camera."""
         for name, logic in self._logics().items():
-            node = logic.GetSliceNode()
-            if self._observed.get(name, (None, 0))[0] is not node:
-                self._observed[name] = node, node.AddObserver("ModifiedEvent", lambda *_: self._fitting.start(0))
-            composite = logic.GetSliceCompositeNode()
-            if self._observed.get((name, "layers"), (None, 0))[0] is not composite:
-                self._observed[name, "layers"] = composite, composite.AddObserver("ModifiedEvent", _SavesUndo(composite))
+            self._observe(name, logic.GetSliceNode(), lambda _: lambda *_: self._fitting.start(0))
+            self._observe((name, "layers"), logic.GetSliceCompositeNode(), _SavesUndo)
         for node in self._viewNodes():
             cameraOf(node)
-        layout = self._node()
-        if layout is not None and self._observed.get("layout", (None, 0))[0] is not layout:
-            self._observed["layout"] = layout, layout.AddObserver("ModifiedEvent", lambda *_: self._map())
+        self._observe("layout", self._node(), lambda _: lambda *_: self._map())
         self._map()
+
+    def _observe(self, key, node, make):
+        if node is not None and self._observed.get(key, (None, 0))[0] is not node:
+            self._observed[key] = node, node.AddObserver("ModifiedEvent", make(node))
 
     def _map(self):
         shown = self._mrml.layoutLogic.GetViewNodes()
@@ -305,37 +262,20 @@ class qSlicerLayoutManager(QtCore.QObject):
         return [name for name, logic in self._logics().items() if logic.GetSliceNode().IsMappedInLayout()]
 
     def sliceWidget(self, name):
-        logic = self._logics().get(name)
-        if logic is None:
-            return None
+        logic = self._logics()[name]
         if name not in self._widgets or self._widgets[name].sliceLogic() is not logic:
             self._widgets[name] = qMRMLSliceWidget(logic)
         return self._widgets[name]
 
-    def threeDWidget(self, which):
-        """A 3D view by number, among those that the layout shows, or by name; None where there is no such view."""
-        nodes = [node for node in self._viewNodes() if node.IsMappedInLayout()]
-        if not isinstance(which, str):
-            node = nodes[which] if 0 <= which < len(nodes) else None
-        else:
-            node = next((each for each in self._viewNodes() if each.GetLayoutName() == which), None)
-        if node is None:
-            return None
+    def threeDWidget(self, number):
+        """A 3D view, among those that the layout shows."""
+        node = [node for node in self._viewNodes() if node.IsMappedInLayout()][number]
         if self._widgets.get(node.GetID()) is None or self._widgets[node.GetID()].mrmlViewNode() is not node:
             self._widgets[node.GetID()] = qMRMLThreeDWidget(node)
         return self._widgets[node.GetID()]
 
     def setLayout(self, layout):
         self._node().SetViewArrangement(layout)
-        self.layoutChanged.emit(layout)
-
-    def pauseRender(self):
-        """Does nothing: nothing is drawn."""
-
-    def resumeRender(self):
-        """Does nothing: nothing is drawn."""
 
     layout = Property(int, lambda self: self._node().GetViewArrangement(), setLayout)
     threeDViewCount = Property(int, lambda self: len([node for node in self._viewNodes() if node.IsMappedInLayout()]))
-    tableViewCount = Property(int, lambda self: 0)
-    plotViewCount = Property(int, lambda self: 0)

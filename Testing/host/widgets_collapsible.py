@@ -5,53 +5,55 @@ from __future__ import annotations
 from PySide6 import QtCore, QtGui, QtWidgets
 from PySide6.QtCore import Property, Qt, Signal
 
+from .node_combo_box import kept
+
 WIDEST = 16777215
 """Qt's QWIDGETSIZE_MAX."""
 
 
-def hide_contents(widget) -> list:
-    """Hides the widgets inside; returns those that were not hidden before."""
-    shown = [child for child in widget.children() if isinstance(child, QtWidgets.QWidget) and not child.isHidden()]
-    for child in shown:
-        child.hide()
-    return shown
+class _Collapsible:
+    """Hides its contents: checked and not collapsed are the same thing."""
+
+    def _begin(self):
+        self._hidden_by_us: list = []
+        self.setCheckable(True)
+        self.setChecked(True)
+        self.toggled.connect(self._expand)
+
+    def _expand(self, expanded):
+        if not expanded:
+            self._hidden_by_us = [each for each in self.children() if isinstance(each, QtWidgets.QWidget) and not each.isHidden()]
+        for child in self._hidden_by_us:
+            child.setVisible(expanded)
+        # The contents' margins and spacing would stay as a gap below the header
+        self.setMaximumHeight(WIDEST if expanded else self._header_height() + self.collapsedHeight)
+        self.updateGeometry()
+
+    def _arrow(self, painter, rect):
+        """Down over open contents and right over collapsed ones."""
+        style, arrow = QtWidgets.QStyle.PrimitiveElement, QtWidgets.QStyleOption()
+        arrow.initFrom(self)
+        arrow.rect = rect
+        kind = style.PE_IndicatorArrowDown if self.isChecked() else style.PE_IndicatorArrowRight
+        self.style().drawPrimitive(kind, arrow, painter, self)
 
 
-class ctkCollapsibleButton(QtWidgets.QAbstractButton):
-    """A button above contents that it hides: checked and not collapsed are the same thing."""
+class ctkCollapsibleButton(_Collapsible, QtWidgets.QAbstractButton):
+    """A button above contents that it hides."""
 
     api = {"signals": {"contentsCollapsed(bool)": "contentsCollapsed"}}
     contentsCollapsed = Signal(bool)
 
     def __init__(self, parent=None) -> None:
         super().__init__(parent)
-        self._collapsed = False
-        self._hidden_by_us: list = []
-        self._collapsed_height = 14
-        self.setCheckable(True)
-        self.setChecked(True)
+        self._begin()
+        self.toggled.connect(lambda expanded: self.contentsCollapsed.emit(not expanded))
         self.setSizePolicy(QtWidgets.QSizePolicy.Policy.Minimum, QtWidgets.QSizePolicy.Policy.Preferred)
-        self.setContentsMargins(0, self._header_size().height(), 0, 0)
+        self.setContentsMargins(0, self._header_height(), 0, 0)
         self.setBackgroundRole(QtGui.QPalette.ColorRole.Window)
-        self.toggled.connect(lambda checked: self._collapse(not checked))
 
-    def _collapse(self, collapsed):
-        if collapsed == self._collapsed:
-            return
-        self._collapsed = collapsed
-        if collapsed:
-            self._hidden_by_us = hide_contents(self)
-        else:
-            for child in self._hidden_by_us:
-                child.show()
-            self._hidden_by_us = []
-        # The contents' margins and spacing would stay as a gap below the header
-        self.setMaximumHeight(self._header_size().height() + self._collapsed_height if collapsed else WIDEST)
-        self.updateGeometry()
-        self.contentsCollapsed.emit(collapsed)
-
-    collapsed = Property(bool, lambda self: self._collapsed, lambda self, on: self.setChecked(not on))
-    collapsedHeight = Property(int, lambda self: self._collapsed_height, lambda self, h: setattr(self, "_collapsed_height", h))
+    collapsed = Property(bool, lambda self: not self.isChecked(), lambda self, on: self.setChecked(not on))
+    collapsedHeight = kept("collapsedHeight", int, 14)
 
     def _header_size(self):
         option = QtWidgets.QStyleOptionButton()
@@ -59,80 +61,53 @@ class ctkCollapsibleButton(QtWidgets.QAbstractButton):
         text = self.fontMetrics().size(Qt.TextFlag.TextShowMnemonic, self.text() or "MMMM")
         return self.style().sizeFromContents(QtWidgets.QStyle.ContentsType.CT_PushButton, option, text + QtCore.QSize(24, 0), self)
 
-    def _header(self):
-        option = QtWidgets.QStyleOptionButton()
-        option.initFrom(self)
-        option.text = self.text()
-        option.state |= QtWidgets.QStyle.StateFlag.State_Sunken if self.isDown() else QtWidgets.QStyle.StateFlag.State_Raised
-        option.rect.setHeight(self._header_size().height())
-        return option
+    def _header_height(self):
+        return self._header_size().height()
 
     def sizeHint(self):
         header = self._header_size()
-        if self._collapsed:
-            return QtCore.QSize(header.width(), header.height() + self._collapsed_height)
-        return super().sizeHint().expandedTo(header)
+        return super().sizeHint().expandedTo(header) if self.isChecked() else header + QtCore.QSize(0, self.collapsedHeight)
 
     def minimumSizeHint(self):
-        return self.sizeHint() if self._collapsed else super().minimumSizeHint().expandedTo(self._header_size())
+        return super().minimumSizeHint().expandedTo(self._header_size()) if self.isChecked() else self.sizeHint()
 
     def paintEvent(self, event):
-        """Draws the header: an arrow that points down over open contents and right over collapsed ones, and the text."""
-        option = self._header()
-        painter = QtGui.QPainter(self)
-        style = QtWidgets.QStyle
-        self.style().drawControl(style.ControlElement.CE_PushButtonBevel, option, painter, self)
-        arrow = QtWidgets.QStyleOption()
-        arrow.initFrom(self)
-        height = option.rect.height()
-        arrow.rect = QtCore.QRect((height - 10) // 2, (height - 10) // 2, 10, 10)
-        kind = style.PrimitiveElement.PE_IndicatorArrowRight if self._collapsed else style.PrimitiveElement.PE_IndicatorArrowDown
-        self.style().drawPrimitive(kind, arrow, painter, self)
+        """Draws the header: an arrow and the text."""
+        option, painter = QtWidgets.QStyleOptionButton(), QtGui.QPainter(self)
+        option.initFrom(self)
+        option.state |= QtWidgets.QStyle.StateFlag.State_Raised
+        height = self._header_height()
+        option.rect.setHeight(height)
+        self.style().drawControl(QtWidgets.QStyle.ControlElement.CE_PushButtonBevel, option, painter, self)
+        self._arrow(painter, QtCore.QRect((height - 10) // 2, (height - 10) // 2, 10, 10))
         option.rect.setLeft(height)
         alignment = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextShowMnemonic
-        self.style().drawItemText(
-            painter, option.rect, alignment, option.palette, self.isEnabled(), self.text(), QtGui.QPalette.ColorRole.ButtonText
-        )
+        ink = QtGui.QPalette.ColorRole.ButtonText
+        self.style().drawItemText(painter, option.rect, alignment, option.palette, self.isEnabled(), self.text(), ink)
         painter.end()
 
 
-class ctkCollapsibleGroupBox(QtWidgets.QGroupBox):
+class ctkCollapsibleGroupBox(_Collapsible, QtWidgets.QGroupBox):
     """A group box whose title hides its contents."""
 
     api: dict = {}
 
     def __init__(self, parent=None) -> None:
         super().__init__(parent)
-        self._hidden_by_us: list = []
-        self._collapsed_height = 14
-        self.setCheckable(True)
-        self.setChecked(True)
-        self.toggled.connect(self._expand)
-
-    def _expand(self, expanded):
-        if expanded:
-            for child in self._hidden_by_us:
-                child.show()
-            self._hidden_by_us = []
-        else:
-            self._hidden_by_us = hide_contents(self)
-        self.setMaximumHeight(WIDEST if expanded else self.fontMetrics().height() + self._collapsed_height)
+        self._begin()
 
     collapsed = Property(bool, lambda self: not self.isChecked(), lambda self, on: self.setChecked(not on))
-    collapsedHeight = Property(int, lambda self: self._collapsed_height, lambda self, h: setattr(self, "_collapsed_height", h))
+    collapsedHeight = kept("collapsedHeight", int, 14)
+
+    def _header_height(self):
+        return self.fontMetrics().height()
 
     def paintEvent(self, event):
         painter = QtWidgets.QStylePainter(self)
-        option = QtWidgets.QStyleOptionGroupBox()
+        option, style = QtWidgets.QStyleOptionGroupBox(), QtWidgets.QStyle
         self.initStyleOption(option)
-        style = QtWidgets.QStyle
         painter.drawComplexControl(style.ComplexControl.CC_GroupBox, option)
-        box = style.SubControl.SC_GroupBoxCheckBox
-        arrow = QtWidgets.QStyleOption()
-        arrow.initFrom(self)
-        arrow.rect = self.style().subControlRect(style.ComplexControl.CC_GroupBox, option, box, self)
-        painter.fillRect(arrow.rect, self.palette().window())
-        arrow.rect.adjust(2, 2, -2, -2)
-        kind = style.PrimitiveElement.PE_IndicatorArrowDown if self.isChecked() else style.PrimitiveElement.PE_IndicatorArrowRight
-        painter.drawPrimitive(kind, arrow)
+        box = self.style().subControlRect(style.ComplexControl.CC_GroupBox, option, style.SubControl.SC_GroupBoxCheckBox, self)
+        painter.fillRect(box, self.palette().window())
+        self._arrow(painter, box.adjusted(2, 2, -2, -2))
         painter.end()

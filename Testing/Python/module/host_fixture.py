@@ -36,11 +36,3 @@ def qt(host):
     import qt
 
     return qt
-
-
-@pytest.fixture
-def ctk(host):
-    """The module `ctk`."""
-    import ctk
-
-    return ctk

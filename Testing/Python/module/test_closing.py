@@ -5,30 +5,15 @@ from __future__ import annotations
 import subprocess
 
 import pytest
-from host_process import run_on_host
+from host_process import OPEN, run_on_host
 
 SCRIPT = """
-import sys
-sys.path[:0] = ["Testing", "Testing/Slicer"]
-from host import runHost
-host = runHost()
-host.start("AIFRecon/AIFRecon.py")
-widget = host.open("AIFRecon")
-import pathlib, qt, slicer, tinyScene
-
-parameters, ui = widget._parameterNode, widget.ui
 updates = []
 
 def nodes():
     scene = slicer.mrmlScene
     kept = [scene.GetNthNode(n) for n in range(scene.GetNumberOfNodes())]
     return sorted(node.GetID() for node in kept if node.IsA("vtkMRMLStorableNode"))
-
-def byWindow():
-    slicer.util.mainWindow().close()
-
-def byCode():
-    slicer.util.exit()
 
 def during(press, close, share):
     "Press, and close the application from an event once so much is done."
@@ -55,24 +40,21 @@ print("shown:", host.dialogs.messages())
 print("errors:", [repr(error) for error in host.take_slot_errors()])
 """
 
-APPLY = "chooseInputs()\nduring(ui.applyButton.click, {close}, {share})"
-COMPARE = "chooseInputs()\nduring(ui.compareButton.click, {close}, {share})"
+PRESS = "chooseInputs()\nduring(ui.{button}Button.click, {close}, {share})"
 
 
 def close(actions: str) -> subprocess.CompletedProcess[str]:
     """A session with the module that does something and is closed meanwhile."""
-    done = run_on_host("-c", SCRIPT.replace("{actions}", actions))
+    done = run_on_host("-c", OPEN + SCRIPT.replace("{actions}", actions))
     assert (done.returncode, done.stderr) == (0, ""), done.stderr[-3000:]
     return done
 
 
 @pytest.mark.parametrize(
-    ("work", "share", "way"),
-    [(APPLY, 600, "byWindow"), (COMPARE, 300, "byCode")],
-    ids=["apply-window", "compare-code"],
+    ("button", "share", "way"), [("apply", 600, "slicer.util.mainWindow().close"), ("compare", 300, "slicer.util.exit")]
 )
-def test_work_ends_with_the_application_without_a_word(work, share, way):
-    done = close(work.format(close=way, share=share))
+def test_work_ends_with_the_application_without_a_word(button, share, way):
+    done = close(PRESS.format(button=button, close=way, share=share))
     assert done.stdout.splitlines()[-5:] == ["closed: True", "went on: False", "unchanged: True", "shown: []", "errors: []"]
 
 
@@ -98,7 +80,7 @@ watch.start(20)
 def test_a_scan_ends_with_the_application_and_its_recording_is_whole(tmp_path):
     from AIFReconLib import read_sequence
 
-    done = close(SCAN.format(path=str(tmp_path / "scan.mhd"), close="byWindow"))
+    done = close(SCAN.format(path=str(tmp_path / "scan.mhd"), close="slicer.util.mainWindow().close"))
     assert done.stdout.splitlines()[-2:] == ["shown: []", "errors: []"]
     assert len(read_sequence(tmp_path / "scan.mhd")) > 10
     assert [path.name for path in tmp_path.iterdir() if path.suffix not in (".mhd", ".raw", ".zraw")] == []

@@ -20,11 +20,6 @@ MODULE_FILES = sorted(MODULE.rglob("*.py"))
 UI = ElementTree.parse(MODULE / "Resources" / "UI" / "AIFRecon.ui").getroot()
 WIDGETS = {widget.get("name"): widget for widget in UI.iter("widget")}
 PASSIVE = {"QLabel", "qMRMLWidget", "ctkCollapsibleButton", "QWidget", "QFrame", "QTabWidget", "ctkCollapsibleGroupBox", "QProgressBar"}
-WITHIN_A_RECONSTRUCTION = (
-    "imaging/beams", "bone/map", "imaging/detection", "imaging/extent", "machine/memory", "sweep/poses", "reconstruction",
-    "imaging/region", "geometry/transform_graph", "geometry/volume", "compounding/reconstructor", "io/plus/configuration",
-    "effective_settings",
-)  # fmt: skip
 HEAVY = {"scipy", "SimpleITK", "matplotlib", "numba", "pyigtl"}
 LABELS = {re.sub("_(.)", lambda found: found[1].upper(), name): rule["label"] for name, rule in RULES.items() if rule["label"]}
 """Of the fields of the library's settings, by the names of the panel's parameters."""
@@ -82,8 +77,12 @@ def test_every_self_test_is_registered():
     assert sorted(registered) == relative(folder, folder.glob("*Test.py"))
 
 
-def test_the_icon_of_the_extension_has_the_size_that_slicer_asks():
-    assert struct.unpack(">II", (REPOSITORY / "Resources" / "AIFRecon.png").read_bytes()[16:24]) == (128, 128)
+@pytest.mark.parametrize(
+    ("picture", "size"),
+    [("Resources/AIFRecon.png", (128, 128)), ("AIFRecon/Resources/Icons/AIFReconLumbarPhantom.png", (260, 280))],
+)
+def test_icon_and_picture_of_the_sample_data_have_the_size_that_slicer_asks(picture, size):
+    assert struct.unpack(">II", (REPOSITORY / picture).read_bytes()[16:24]) == size
 
 
 @pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)
@@ -147,16 +146,6 @@ def test_a_bound_widget_names_a_parameter_that_no_other_one_has():
 @pytest.mark.parametrize("name", [name for name in LABELS if f"{name}Label" in WIDGETS])
 def test_a_setting_is_called_as_the_library_calls_it(name):
     assert property_of(WIDGETS[f"{name}Label"], "text") == LABELS[name]
-
-
-def test_every_option_that_a_message_of_the_library_names_has_a_name_in_the_panel_or_no_place_there():
-    """`panelWords` must know each option of the command line that the library's messages name."""
-    commandLineAlone = {"--calibration", "--image-to-reference", "--reference", "--transform-sequence"}
-    files = [REPOSITORY / "AIFReconLib" / f"{name}.py" for name in WITHIN_A_RECONSTRUCTION]
-    texts = [node.value for path in files for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Constant)]
-    named = {option for text in texts if isinstance(text, str) for option in re.findall(r"--[a-z][a-z-]+", text)}
-    known = set(re.findall(r'"(--[a-z-]+)"', (MODULE / "AIFReconScene" / "panelWords.py").read_text("utf-8")))
-    assert named - known - commandLineAlone == set()
 
 
 def test_every_custom_widget_is_declared():

@@ -19,6 +19,7 @@ from test_scene_foreign_sweep import (  # noqa: E402
     pose_nodes,
     probe_pose,
     sequence_of,
+    under_poses,
 )
 
 from AIFReconLib import read_sequence  # noqa: E402
@@ -50,16 +51,6 @@ def test_the_transforms_above_the_images_place_them(scene, tmp_path):
     np.testing.assert_allclose(sweep_poses(sequence).image_to_reference, expected, atol=1e-3)
 
 
-def test_the_own_geometry_of_the_images_counts_below_them(scene, tmp_path):
-    own = np.diag([-0.5, -0.3, 1.0, 1.0])
-    recorded = sequence_of(scene, "ImageToReference", pose_nodes([probe_pose(n) for n in range(3)], "ImageToReference"))
-    pictures = sequence_of(scene, "Image", image_nodes(images(3), lambda number: own))
-    browser = browser_of(scene, pictures, recorded)
-    browser.GetProxyNode(pictures).SetAndObserveTransformNodeID(browser.GetProxyNode(recorded).GetID())
-    poses = sweep_poses(read_sequence(saved(scene, tmp_path))).image_to_reference
-    np.testing.assert_allclose(poses, [probe_pose(n) @ own for n in range(3)], atol=1e-3)
-
-
 def test_what_the_tracker_said_is_lost_in_a_bundle_and_that_is_said(scene, tmp_path):
     """Slicer writes OK for all."""
     live_under_ras(scene, statuses=["OK", "OUT_OF_VIEW", "OK", "MISSING"])
@@ -68,11 +59,35 @@ def test_what_the_tracker_said_is_lost_in_a_bundle_and_that_is_said(scene, tmp_p
     assert sequence.notes[-1].startswith("Slicer's bundles say of every pose that it is valid")
 
 
-def test_transforms_that_were_recorded_beside_the_images_are_taken_by_name(scene, tmp_path):
+@pytest.mark.parametrize(
+    ("suffix", "kept", "words"),
+    [
+        (".seq.mha", None, r"the file of ProbeToReference \(Data/ProbeToReference\.seq\.mha\) is not in it"),
+        (".seq.nrrd", 200, r"scene\.mrb: .*scene/Data/Image_Image\.seq\.nrrd"),
+    ],
+)
+def test_a_file_that_the_bundle_lacks_or_that_is_damaged_is_named(scene, tmp_path, suffix, kept, words):
+    live_under_ras(scene)
+    path = saved(scene, tmp_path)
+    with zipfile.ZipFile(path) as archive:
+        members = {info.filename: archive.read(info) for info in archive.infolist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in members.items():
+            if not name.endswith(suffix):
+                archive.writestr(name, data)
+            elif kept:
+                archive.writestr(name, data[:kept])
+    with pytest.raises(SequenceFormatError, match=words):
+        read_sequence(path)
+
+
+@pytest.mark.parametrize("make", [browser_of, under_poses])
+def test_transforms_that_were_recorded_beside_the_images_are_taken_by_name_and_the_images_own_geometry_counts(scene, tmp_path, make):
+    own = np.diag([-0.5, -0.3, 1.0, 1.0]) if make is under_poses else np.eye(4)
     recorded = sequence_of(scene, "ImageToReference", pose_nodes([probe_pose(n) @ CALIBRATION for n in range(3)], "ImageToReference"))
-    browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    make(scene, sequence_of(scene, "Image", image_nodes(images(3), lambda number: own)), recorded)
     poses = sweep_poses(read_sequence(saved(scene, tmp_path))).image_to_reference
-    np.testing.assert_allclose(poses, [probe_pose(n) @ CALIBRATION for n in range(3)], atol=1e-3)
+    np.testing.assert_allclose(poses, [probe_pose(n) @ CALIBRATION @ own for n in range(3)], atol=1e-3)
 
 
 def test_a_scene_without_a_recording_and_one_with_two_say_so(scene, tmp_path):
@@ -82,27 +97,3 @@ def test_a_scene_without_a_recording_and_one_with_two_say_so(scene, tmp_path):
         browser_of(scene, sequence_of(scene, name, image_nodes(images(2))), name=name)
     with pytest.raises(SequenceFormatError, match=r"got 2 \(First, Second\)"):
         read_sequence(saved(scene, tmp_path))
-
-
-def test_a_file_that_the_bundle_lacks_is_named(scene, tmp_path):
-    live_under_ras(scene)
-    path = saved(scene, tmp_path)
-    with zipfile.ZipFile(path) as archive:
-        members = {info.filename: archive.read(info) for info in archive.infolist() if not info.filename.endswith(".seq.mha")}
-    with zipfile.ZipFile(path, "w") as archive:
-        for name, data in members.items():
-            archive.writestr(name, data)
-    with pytest.raises(SequenceFormatError, match=r"the file of ProbeToReference \(Data/ProbeToReference\.seq\.mha\) is not in it"):
-        read_sequence(path)
-
-
-def test_a_damaged_file_in_the_bundle_has_its_own_name(scene, tmp_path):
-    live_under_ras(scene)
-    path = saved(scene, tmp_path)
-    with zipfile.ZipFile(path) as archive:
-        members = {info.filename: archive.read(info) for info in archive.infolist()}
-    with zipfile.ZipFile(path, "w") as archive:
-        for name, data in members.items():
-            archive.writestr(name, data[:200] if name.endswith(".seq.nrrd") else data)
-    with pytest.raises(SequenceFormatError, match=r"scene\.mrb: .*scene/Data/Image_Image\.seq\.nrrd"):
-        read_sequence(path)

@@ -11,11 +11,10 @@ from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 import vtk  # noqa: E402
-from scene_host import class_counts, transform_node, volume_node, warping_node  # noqa: E402
+from scene_host import class_counts, transform_node, volume_node  # noqa: E402
 
 from AIFReconLib.bone.map import BoneMap  # noqa: E402
 from AIFReconLib.bone.widths import SIGMA_VOXELS, voxels_around  # noqa: E402
-from AIFReconLib.errors import TransformError  # noqa: E402
 from AIFReconLib.geometry.volume import Volume  # noqa: E402
 
 CT_MATRIX = rigid((4.0, -7.0, 11.0), (-30.0, 12.0, 44.0)) @ np.diag([0.8, 0.9, 1.5, 1.0])
@@ -56,13 +55,6 @@ def under(node, matrix):
     return node
 
 
-def equal(a: BoneMap, b: BoneMap) -> bool:
-    same_place = np.allclose(a.probability.ijk_to_reference, b.probability.ijk_to_reference, atol=1e-9)
-    assert a.inside is not None
-    assert b.inside is not None
-    return same_place and np.array_equal(a.probability.array, b.probability.array) and np.array_equal(a.inside.array, b.inside.array)
-
-
 def bone_of(node, chosen=None, referenceVolumeNode=None, sigmaVoxels=None) -> BoneMap:
     """The map that the worker makes of a node."""
     from AIFReconScene.inputs.boneNodes import isLabeled, labelsFromNode, probabilityFromNode
@@ -76,14 +68,15 @@ def bone_of(node, chosen=None, referenceVolumeNode=None, sigmaVoxels=None) -> Bo
     return BoneMap.from_labels(labels, sigmaVoxels or SIGMA_VOXELS, None, place)
 
 
-EXPECTED = BoneMap.from_labels(Volume(ball_labels(), CT_MATRIX), sigma_voxels=1.5)
+def assert_equal(found: BoneMap, expected: BoneMap) -> None:
+    for a, b in ((found.probability, expected.probability), (found.inside, expected.inside)):
+        assert a is not None
+        assert b is not None
+        assert np.allclose(a.ijk_to_reference, b.ijk_to_reference, atol=1e-9)
+        assert np.array_equal(a.array, b.array)
 
 
 # ---- bone
-
-
-def test_a_segmentation_gives_the_bone_map_of_its_labels(scene):
-    assert equal(bone_of(segmentation_node(scene, {"L3": ball_labels()}), sigmaVoxels=1.5), EXPECTED)
 
 
 @pytest.mark.parametrize("kind", ["segmentation", "labelmap", "probability"])
@@ -100,38 +93,6 @@ def test_a_ct_under_a_transform_lies_where_the_registration_puts_it_in_millimete
     assert np.allclose(center[:3], expected[:3], atol=1e-6)
 
 
-@pytest.mark.parametrize("class_name", ["vtkMRMLLabelMapVolumeNode", "vtkMRMLScalarVolumeNode"])
-def test_a_warping_registration_is_named(scene, class_name):
-    node = volume_node(scene, ball_labels(), CT_MATRIX, class_name=class_name)
-    node.SetAndObserveTransformNodeID(warping_node(scene, "Deformable registration").GetID())
-    with pytest.raises(TransformError, match="'Deformable registration' must be linear"):
-        bone_of(node)
-
-
-def test_every_segment_gets_a_label_of_its_own(scene):
-    from AIFReconScene.inputs.boneNodes import labelsFromNode
-
-    far = np.roll(ball_labels(radius=3.0), 8, axis=1)
-    labels = labelsFromNode(segmentation_node(scene, {"L3": ball_labels(radius=4.0), "L4": far}))
-    assert np.array_equal(labels.array, np.where(far > 0, 2, ball_labels(radius=4.0)))
-    assert np.allclose(labels.ijk_to_reference, CT_MATRIX, atol=1e-9)
-
-
-def test_segments_with_images_of_their_own_lie_where_those_lie_and_are_not_resampled(scene, monkeypatch):
-    from AIFReconScene.inputs.boneNodes import labelsFromNode
-    from AIFReconScene.volumes.segments import addSegments
-
-    other = np.roll(ball_labels(radius=3.0), (-6, 8, 7), axis=(0, 1, 2))
-    both = Volume(np.where(other > 0, 2, ball_labels(radius=4.0)), CT_MATRIX)
-    node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode")
-    node.SetReferenceImageGeometryParameterFromVolumeNode(volume_node(scene, both.array.astype(np.int16), CT_MATRIX))
-    addSegments(node, both, {1: "L3", 2: "L4"})
-    monkeypatch.setattr(slicer, "vtkOrientedImageDataResample", None)
-    labels = labelsFromNode(node)
-    assert np.array_equal(labels.array, both.array)
-    assert np.allclose(labels.ijk_to_reference, CT_MATRIX, atol=1e-9)
-
-
 def test_a_segment_between_the_voxels_of_the_others_is_resampled(scene):
     from AIFReconScene.inputs.boneNodes import labelsFromNode
 
@@ -144,7 +105,7 @@ def test_a_segment_between_the_voxels_of_the_others_is_resampled(scene):
     assert np.array_equal(np.argwhere(labels.array).mean(0), np.add(np.argwhere(ball_labels()).mean(0), [0, -2, 3]))
 
 
-def test_every_segment_that_is_read_is_reported_and_may_go_meanwhile(scene):
+def test_every_segment_that_is_read_gets_a_label_of_its_own_is_reported_and_may_go_meanwhile(scene):
     from AIFReconScene.inputs.boneNodes import labelsFromNode
 
     far, told = np.roll(ball_labels(radius=3.0), 8, axis=1), []
@@ -157,6 +118,7 @@ def test_every_segment_that_is_read_is_reported_and_may_go_meanwhile(scene):
     labels = labelsFromNode(node, progress=progress)
     assert told == [0.5, 1.0]
     assert np.array_equal(labels.array, np.where(far > 0, 2, ball_labels(radius=4.0)))
+    assert np.allclose(labels.ijk_to_reference, CT_MATRIX, atol=1e-9)
 
 
 def test_a_segment_that_goes_while_surfaces_are_made_keeps_none_from_the_others(scene):
@@ -181,7 +143,7 @@ def test_a_segmentation_without_reference_geometry_is_not_cut_off(scene):
     roomy = np.pad(ball_labels(), 20)
     shift = np.eye(4)
     shift[:3, 3] = -20
-    assert equal(bone, BoneMap.from_labels(Volume(roomy, CT_MATRIX @ shift), sigma_voxels=1.5))
+    assert_equal(bone, BoneMap.from_labels(Volume(roomy, CT_MATRIX @ shift), sigma_voxels=1.5))
 
 
 def sphere_surface_node(scene):
@@ -200,47 +162,35 @@ def sphere_surface_node(scene):
     return node
 
 
-def test_surfaces_become_voxels_of_the_ct(scene):
+def test_surfaces_become_voxels_of_the_ct_and_stay_as_they_were(scene):
     from AIFReconScene.inputs.boneNodes import labelsFromNode
 
     ct = volume_node(scene, np.zeros((40, 40, 40), np.int16), np.array([[1, 0, 0, -10], [0, 1, 0, 0], [0, 0, 1, 10], [0, 0, 0, 1.0]]))
-    labels = labelsFromNode(sphere_surface_node(scene), referenceVolumeNode=ct)
+    node = sphere_surface_node(scene)
+    before = class_counts(scene)
+    labels = labelsFromNode(node, referenceVolumeNode=ct)
     k, j, i = np.nonzero(labels.array)
     center = labels.ijk_to_reference @ [i.mean(), j.mean(), k.mean(), 1]
     assert np.allclose(center[:3], (10, 20, 30), atol=0.2)
     assert len(i) == pytest.approx(4 / 3 * np.pi * 8**3, rel=0.05)
-
-
-def test_making_voxels_of_surfaces_leaves_the_segmentation_as_it_was(scene):
-    node = sphere_surface_node(scene)
-    before = class_counts(scene)
-    ct = volume_node(scene, np.zeros((40, 40, 40), np.int16), np.diag([1.0, 1.0, 1.5, 1.0]))
-    bone_of(node, referenceVolumeNode=ct, sigmaVoxels=1.0)
-    scene.RemoveNode(ct)
-    assert class_counts(scene) == before | {"vtkMRMLSegmentationNode": 1}
+    assert class_counts(scene) == before
     assert not node.GetSegmentation().ContainsRepresentation(slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName())
 
 
 # ---- grids
 
 
-def roi_node(scene, size=(20.0, 30.0, 41.0), matrix=ROI_MATRIX, parent=None):
+def roi_node(scene):
     node = scene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "R")
-    node.SetSize(*size)
-    node.SetAndObserveObjectToNodeMatrix(slicer.util.vtkMatrixFromArray(matrix))
-    if parent is not None:
-        node.SetAndObserveTransformNodeID(parent.GetID())
+    node.SetSize(20.0, 30.0, 41.0)
+    node.SetAndObserveObjectToNodeMatrix(slicer.util.vtkMatrixFromArray(ROI_MATRIX))
     return node
 
 
-def grid_of(*arguments):
+def test_a_rotated_roi_is_covered_by_its_voxels_in_millimeters(scene):
     from AIFReconScene.inputs.gridNodes import gridFromROI
 
-    return gridFromROI(*arguments)
-
-
-def test_a_rotated_roi_is_covered_by_its_voxels_in_millimeters(scene):
-    grid = grid_of(roi_node(scene), (0.9, 1.1, 2.0))
+    grid = gridFromROI(roi_node(scene), (0.9, 1.1, 2.0))
     edges = (2 * np.array(list(np.ndindex(2, 2, 2))) - 1) * (10.0, 15.0, 20.5)
     corners = edges @ ROI_MATRIX[:3, :3].T + ROI_MATRIX[:3, 3]
     ijk = corners @ grid.reference_to_ijk[:3, :3].T + grid.reference_to_ijk[:3, 3]
@@ -250,34 +200,13 @@ def test_a_rotated_roi_is_covered_by_its_voxels_in_millimeters(scene):
 
 
 def test_the_center_of_a_grid_is_where_slicer_has_that_of_the_roi(scene):
-    node = roi_node(scene, parent=transform_node(scene, REGISTRATION))
-    assert np.allclose(grid_of(node, 0.7).corners().mean(axis=0), node.GetCenterWorld(), atol=1e-6)
+    from AIFReconScene.inputs.gridNodes import gridFromROI
+
+    node = under(roi_node(scene), REGISTRATION)
+    assert np.allclose(gridFromROI(node, 0.7).corners().mean(axis=0), node.GetCenterWorld(), atol=1e-6)
 
 
 # ---- volumes
-
-
-def result(method="weighted", cosine=True):
-    rng = np.random.default_rng(3)
-    shape = (6, 7, 8)
-
-    def volume(array):
-        return Volume(array, CT_MATRIX)
-
-    return SimpleNamespace(
-        intensity=volume(rng.integers(1, 200, shape).astype(np.uint8)),
-        score=volume(rng.random(shape, np.float32)),
-        hits=volume(rng.integers(0, 9, shape).astype(np.uint32)),
-        cosine=volume(rng.random(shape, np.float32)) if cosine else None,
-        mask=volume(rng.integers(0, 3, shape).astype(np.uint8)),
-        method=method,
-    )
-
-
-def outputs(*arguments, **options):
-    from AIFReconScene.volumes.volumeNodes import outputNodes
-
-    return outputNodes(*arguments, **options)
 
 
 def test_a_volume_file_and_a_volume_node_lie_in_the_same_place(scene, tmp_path):
@@ -299,8 +228,11 @@ def test_a_volume_file_and_a_volume_node_lie_in_the_same_place(scene, tmp_path):
 
 
 def test_an_existing_node_under_a_transform_shows_the_result_in_its_place(scene):
+    from AIFReconScene.volumes.volumeNodes import outputNodes
+
     node = volume_node(scene, np.zeros((2, 2, 2), np.int16), np.eye(4), parent=transform_node(scene, REGISTRATION))
-    outputs(result(), "Sweep", nodes={"intensity": node})
+    made = Volume(np.ones((6, 7, 8), np.uint8), CT_MATRIX)
+    outputNodes(SimpleNamespace(intensity=made, mask=made, method="weighted"), "Sweep", nodes={"intensity": node})
     bounds = [0.0] * 6
     node.GetRASBounds(bounds)
     expected = [CT_MATRIX @ [i, j, k, 1] for i in (-0.5, 7.5) for j in (-0.5, 6.5) for k in (-0.5, 5.5)]

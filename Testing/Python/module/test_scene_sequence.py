@@ -10,16 +10,13 @@ import pytest
 from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
-from host.mrml_scene import createScene  # noqa: E402
-from scene_host import class_counts, transform_node, warping_node  # noqa: E402
+from scene_host import transform_node  # noqa: E402
 
-from AIFReconLib.errors import OperationCanceled, SequenceFormatError, TransformError  # noqa: E402
+from AIFReconLib.errors import TransformError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
 from AIFReconLib.holes.filling import HoleFilling  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion  # noqa: E402
-from AIFReconLib.recipe.recipe import ReconstructionSettings  # noqa: E402
-from AIFReconLib.reconstruction import reconstruct  # noqa: E402
 from AIFReconLib.sweep.configuration import PlusConfiguration  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
@@ -30,22 +27,21 @@ REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
 COMMENT = {"Comment": 'a 50% "sweep" of <a & b>;\n\u00b5m'}
 
 
-def plus_configuration(**changes) -> PlusConfiguration:
+def plus_configuration() -> PlusConfiguration:
     calibration = rigid((3.0, -4.0, 80.0), (5.0, 6.0, -7.0)) @ np.diag([0.31, 0.47, 0.4, 1.0])
-    values = {
-        "path": Path("PlusDeviceSet.xml"),
-        "transforms": {IMAGE_TO_PROBE: TransformSample(calibration)},
-        "image_frame": "Image",
-        "reference_frame": "Reference",
-        "spacing": (0.9, 0.9, 0.9),
-        "region": ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0)), FanDetection(25.0, 3)),
-        "holes": (HoleFilling("stick", 9, sticks=2), HoleFilling("gaussian", 5, 0.7, 0.4)),
-        "probe": ProbeGeometry("sector", (8.0, -6.0)),
-        "method": "average",
-        "skip": 2,
-        "warnings": ("LINEAR is not honored.",),
-    }
-    return PlusConfiguration(**{**values, **changes})
+    return PlusConfiguration(
+        path=Path("PlusDeviceSet.xml"),
+        transforms={IMAGE_TO_PROBE: TransformSample(calibration)},
+        image_frame="Image",
+        reference_frame="Reference",
+        spacing=(0.9, 0.9, 0.9),
+        region=ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0)), FanDetection(25.0, 3)),
+        holes=(HoleFilling("stick", 9, sticks=2), HoleFilling("gaussian", 5, 0.7, 0.4)),
+        probe=ProbeGeometry("sector", (8.0, -6.0)),
+        method="average",
+        skip=2,
+        warnings=("LINEAR is not honored.",),
+    )
 
 
 def sweep(frames: int = 7, lost=(2, 3), dtype=np.uint8, start: float = 215.1021, step: float = 0.0521) -> TrackedSequence:
@@ -106,18 +102,8 @@ def test_pixels_of_any_type_come_back(scene, dtype):
     assert np.array_equal(np.asarray(images), sweep(dtype=dtype).images)
 
 
-def test_a_frame_out_of_view_has_no_pose_and_says_why(converted):
-    records = back(converted).records
-    assert [record.transforms[TransformName("Image", "Reference")].status.value for record in records][1:5] == [
-        "OK",
-        "OUT_OF_VIEW",
-        "OUT_OF_VIEW",
-        "OK",
-    ]
-
-
 def test_the_configuration_comes_back_without_the_calibration_that_is_in_the_poses(converted):
-    expected = plus_configuration(transforms={}, image_frame=None, reference_frame=None)
+    expected = replace(plus_configuration(), transforms={}, image_frame=None, reference_frame=None)
     assert vars(back(converted).configuration) == vars(expected)
 
 
@@ -126,14 +112,6 @@ def test_what_the_user_should_know_of_the_recording_comes_back(scene):
 
     told = replace(sweep(), notes=("Images were turned to MF.",))
     assert sweep_poses(back(browserFromSequence(told, "Sweep"))).notes == ("Images were turned to MF.",)
-
-
-def test_reconstruction_from_the_scene_gives_the_same_voxels(converted):
-    settings = ReconstructionSettings(method="average")
-    before, after = reconstruct(sweep(), settings), reconstruct(back(converted), settings)
-    assert np.array_equal(before.grid.ijk_to_reference, after.grid.ijk_to_reference)
-    assert np.array_equal(before.intensity.array, after.intensity.array)
-    assert before.frames_inserted == after.frames_inserted > 0
 
 
 def test_a_transform_that_one_frame_lacks_is_missing_there(scene):
@@ -167,31 +145,7 @@ def test_replaying_puts_the_image_where_its_pose_says_and_tells_a_frame_out_of_v
     assert proxy(converted, "ImageToReference").GetAttribute("TransformStatus") == "OUT_OF_VIEW"
 
 
-def test_a_cancel_and_a_frame_that_cannot_be_read_leave_the_scene_as_it_was(scene):
-    from AIFReconScene.sweep.sequenceNodes import browserFromSequence
-
-    class Damaged(list):
-        shape, dtype = (3, 4, 5), np.dtype(np.uint8)
-
-        def __getitem__(self, index):
-            raise SequenceFormatError("frame 0 cannot be read.")
-
-    before = class_counts(scene)
-    with pytest.raises(OperationCanceled):
-        browserFromSequence(sweep(), "Sweep", lambda fraction, message: fraction < 0.5)
-    with pytest.raises(SequenceFormatError):
-        browserFromSequence(TrackedSequence(Damaged([0] * 3), sweep(3).records), "Sweep")
-    assert class_counts(scene) == before
-
-
 # ---- transforms above the sweep
-
-
-def test_reference_to_ras_above_the_sweep_counts_in_millimeters(scene, converted):
-    reference_to_ras = rigid((0.0, 90.0, 10.0), (11.0, -22.0, 33.0))
-    proxy(converted, "ImageToReference").SetAndObserveTransformNodeID(transform_node(scene, reference_to_ras, "ReferenceToRAS").GetID())
-    found = sweep_poses(back(converted)).image_to_reference[5]
-    assert np.allclose(found, reference_to_ras @ sweep_poses(sweep()).image_to_reference[5], atol=1e-9)
 
 
 def test_a_corner_pixel_lies_where_slicer_shows_it(scene, converted):
@@ -204,12 +158,6 @@ def test_a_corner_pixel_lies_where_slicer_shows_it(scene, converted):
     assert np.allclose(found, world_matrix(proxy(converted, "Image")) @ corner, atol=1e-6)
 
 
-def test_a_warping_transform_above_the_sweep_is_named(scene, converted):
-    proxy(converted, "ImageToReference").SetAndObserveTransformNodeID(warping_node(scene, "Breathing").GetID())
-    with pytest.raises(TransformError, match=r"'Breathing' must be linear.*Harden it"):
-        back(converted)
-
-
 def test_a_transform_that_another_browser_replays_is_refused(scene, converted):
     from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
@@ -217,22 +165,6 @@ def test_a_transform_that_another_browser_replays_is_refused(scene, converted):
     proxy(converted, "Image").SetAndObserveTransformNodeID(proxy(other, "ImageToReference").GetID())
     with pytest.raises(TransformError, match="replayed by 'Other'"):
         back(converted)
-
-
-# ---- saved scenes
-
-
-def test_a_saved_scene_gives_the_same_poses_and_voxels_to_the_last_digit(scene, converted, tmp_path):
-    assert scene.WriteToMRB(str(tmp_path / "sweep.mrb"))
-    # A scene of its own, which is Slicer's from then on
-    other = slicer.mrmlScene = createScene()
-    try:
-        assert other.ReadFromMRB(str(tmp_path / "sweep.mrb"), True)
-        found, settings = back(other.GetFirstNodeByName("Sweep")), ReconstructionSettings(method="average")
-        assert np.array_equal(sweep_poses(found).image_to_reference, sweep_poses(sweep()).image_to_reference, equal_nan=True)
-        assert np.array_equal(reconstruct(sweep(), settings).intensity.array, reconstruct(found, settings).intensity.array)
-    finally:
-        other.host.close()
 
 
 def test_a_pose_that_the_user_changes_counts_although_the_record_has_another(scene, converted):

@@ -16,12 +16,12 @@ import sys
 sys.path.insert(0, "Testing")
 from host import runHost
 host = runHost()
-module = host.load_module("AIFRecon/AIFRecon.py")
+host.load_module("AIFRecon/AIFRecon.py")
 import slicer
 layout = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
 print("samples:", len(slicer.modules.sampleDataSources["AIFRecon"]))
 print("layouts:", layout.IsLayoutDescription(4204) and layout.IsLayoutDescription(4214))
-print("icon:", not module.icon.isNull())
+print("icon:", not slicer.modules.aifrecon.icon.isNull())
 host.open("AIFRecon")
 host.raise_slot_errors()
 """

@@ -5,22 +5,14 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from host_process import run_on_host
+from host_process import OPEN, run_on_host
 
 SCRIPT = """
-import sys
-sys.path[:0] = ["Testing", "Testing/Slicer"]
-from host import runHost
-host = runHost()
-host.start("AIFRecon/AIFRecon.py")
-widget = host.open("AIFRecon")
-import functools, pathlib, qt, slicer
 from unittest import mock
 from AIFReconScene.work import worker
 from AIFReconScene.volumes import phantomSample
 from AIFReconScene.volumes.volumeNodes import saveSettings
 
-ui, parameters = widget.ui, widget._parameterNode
 parameters.spacing = 2.0
 with mock.patch.object(phantomSample, "loadPhantom", functools.partial(phantomSample.loadPhantom, frames=27)):
     ui.sampleButton.click()
@@ -41,7 +33,7 @@ host.run()
 
 
 def test_nothing_that_computes_is_loaded_by_sample_reconstruction_and_comparison_and_the_worker_ends_with_the_application(tmp_path):
-    done = run_on_host("-c", SCRIPT, tmp_path)
+    done = run_on_host("-c", OPEN + SCRIPT, tmp_path)
     said = dict(line.split(": ", 1) for line in done.stdout.splitlines() if ": " in line)
     assert said.get("errors") == "[] []", done.stdout + done.stderr
     assert said["loaded"] == "[]"

@@ -162,6 +162,3 @@ def test_what_is_kept_of_a_canceled_call_is_let_go(worker, tmp_path, wait):
     time.sleep(wait)
     task.cancel()
     assert until(file.exists)
-
-
-# ---- the channel

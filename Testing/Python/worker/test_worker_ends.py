@@ -34,19 +34,13 @@ def is_there(pid: int) -> bool:
         return False
 
 
-def kill(worker: Worker) -> None:
-    task = worker.begin(tasks.silent, 1000.0)
-    assert worker.pid is not None
-    os.kill(worker.pid, signal.SIGKILL)
-    assert until(lambda: task.is_done)
-
-
 # ---- the worker ends
 
 
 @posix
 @pytest.mark.parametrize("kind", [signal.SIGKILL, signal.SIGSEGV, signal.SIGTERM])
 def test_a_worker_that_dies_in_a_call_is_one_sentence_and_the_next_call_is_answered(worker, kind, capfd):
+    child = worker.call(tasks.started)
     others = [worker.begin(tasks.silent, 1000.0), worker.begin(tasks.reporting, 1000.0)]
     with pytest.raises(WorkerDiedError) as caught:
         worker.call(tasks.refuse, str(int(kind)))
@@ -59,6 +53,8 @@ def test_a_worker_that_dies_in_a_call_is_one_sentence_and_the_next_call_is_answe
             task.result()
     assert worker.pid is None
     assert worker.call(tasks.returned, 1) == 1
+    # What it has started has ended with it
+    assert until(lambda: not is_there(child))
     capfd.readouterr()
 
 
@@ -89,14 +85,6 @@ def test_a_worker_that_is_stopped_is_ended_when_it_takes_nothing_any_more(worker
         waiting.result()
     assert until(lambda: not is_there(stopped))
     assert worker.call(tasks.returned, 1) == 1
-
-
-@posix
-def test_what_the_worker_has_started_ends_with_it_when_it_is_killed(worker):
-    child = worker.call(tasks.started)
-    kill(worker)
-    assert worker.call(tasks.returned, 1) == 1
-    assert until(lambda: not is_there(child))
 
 
 # ---- the worker does not begin
@@ -195,26 +183,13 @@ if "large" not in {doing!r}:
     assert run.stdout is not None
     lines = [run.stdout.readline(), run.stdout.readline()]
     pid = int(lines[1])
-    family = children_of(run.pid)
+    family = [int(child) for child in Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text("utf-8").split()]
     assert pid in family
     time.sleep(0.5)
     run.kill()
     run.communicate()
     assert until(lambda: not any(map(is_there, family)))
     assert (tmp_path / "done").exists()
-
-
-def children_of(parent: int) -> list[int]:
-    """The processes that a process has started."""
-    found = []
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit() and is_there(int(entry.name)):
-            try:
-                fields = (entry / "stat").read_text("utf-8").rpartition(")")[2].split()
-            except OSError:
-                continue
-            found += [int(entry.name)] if int(fields[1]) == parent else []
-    return found
 
 
 def test_a_worker_that_is_closed_can_be_used_again():

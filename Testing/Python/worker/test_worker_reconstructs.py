@@ -9,17 +9,13 @@ import pytest
 from sweeps import oblique_sequence, two_vertebrae
 
 from AIFReconLib.compounding.state import BESIDE
-from AIFReconLib.errors import MethodError, SequenceFormatError
-from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.errors import MethodError
 from AIFReconLib.inspection.tracking_report import tracking_report
-from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
-from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.worker.reconstructing import know_method, reconstructed
-from AIFReconLib.worker.recordings import RECORDING, VOLUME, images_between, kind_of, read_recording, without_images
 from AIFReconLib.workflows.job import BoneSource, ReconstructionJob
 
 
@@ -72,26 +68,3 @@ def test_a_method_of_one_s_own_is_imported_where_it_lies_and_anew_when_its_file_
 def test_a_method_that_was_written_into_the_console_is_refused_in_a_sentence():
     with pytest.raises(MethodError, match=r"was written into the console\. Write it into a file"):
         know_method("__main__:flat")
-
-
-def test_a_recording_comes_in_pieces_that_are_its_images(worker, tmp_path):
-    sequence = oblique_sequence(count=7)
-    write_sequence(sequence, path := tmp_path / "sweep.igs.mha")
-    file = worker.keep(read_recording, path)
-    told = worker.call(without_images, file)
-    assert (told.images.shape, told.images.dtype) == (sequence.images.shape, sequence.images.dtype)
-    assert told.configuration is NO_CONFIGURATION
-    np.testing.assert_array_equal(sweep_poses(told).image_to_reference, sweep_poses(read_recording(path)).image_to_reference)
-    pieces = [worker.call(images_between, file, start, min(start + 3, 7)) for start in (0, 3, 6)]
-    np.testing.assert_array_equal(np.concatenate(pieces), sequence.images)
-    with pytest.raises(NotImplementedError):
-        told.images[0]
-
-
-def test_a_recording_and_a_volume_are_told_apart_by_their_headers(tmp_path):
-    write_sequence(oblique_sequence(), path := tmp_path / "sweep.igs.mha")
-    assert kind_of(path) == RECORDING
-    Volume(np.zeros((3, 3, 3), np.uint8), np.eye(4)).write(volume := tmp_path / "volume.nrrd")
-    assert kind_of(volume) == VOLUME
-    with pytest.raises(SequenceFormatError):
-        kind_of(tmp_path / "sweep.txt")

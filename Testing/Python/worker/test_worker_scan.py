@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from files import LABELS_TO_REFERENCE, tracked_sequence, write_patient
 from live_messages import streamed
-from sweeps import sphere_bone
 from waiting import until
 
 from AIFReconLib.bone.map import BoneMap
@@ -83,16 +82,6 @@ def killed(worker, scan) -> None:
         until(lambda: worker.call("look", scan) is None)
 
 
-def test_a_scan_in_the_worker_gives_the_voxels_of_offline(worker, request_of):
-    scan = worker.keep(begin_scan, request_of())
-    give(worker, scan, 0, 24)
-    ended = worker.call("finish", scan)
-    assert (ended.statistics.inserted, ended.statistics.frames_skipped) == (23, 1)
-    np.testing.assert_array_equal(ended.result.intensity.array, offline(request_of(), np.arange(24)))
-    assert "bone_sigma_voxels" in ended.result.intensity.fields["AIFRecon_settings"]
-    assert len(read_sequence(ended.recorded)) == 24
-
-
 def test_a_look_tells_what_is_new_and_no_more(request_of):
     scan = Scan(request_of(record=None))
     try:
@@ -109,6 +98,7 @@ def test_a_look_tells_what_is_new_and_no_more(request_of):
 
 
 TAKEN_UP = {
+    "24": range(24),
     "8 kill 24": range(24),
     "8 pause 12 resume kill 24": [*range(8), *range(12, 24)],
     "8 pause kill 12 resume 24": [*range(8), *range(12, 24)],
@@ -119,7 +109,7 @@ TAKEN_UP = {
 
 
 @pytest.mark.parametrize(("script", "counted"), TAKEN_UP.items(), ids=TAKEN_UP)
-def test_a_scan_whose_worker_is_killed_is_taken_up_with_nothing_lost(script, counted, worker, request_of):
+def test_a_scan_gives_the_voxels_of_offline_and_loses_nothing_when_its_worker_is_killed(script, counted, worker, request_of):
     request, given = request_of(), 0
     scan, seen = worker.keep(begin_scan, request), None
     for word in script.split():
@@ -140,6 +130,7 @@ def test_a_scan_whose_worker_is_killed_is_taken_up_with_nothing_lost(script, cou
     np.testing.assert_array_equal(np.array(read_sequence(ended.recorded).images), SEQUENCE.images)
     assert sorted(path.name for path in request.record.parent.iterdir()) == ["scan.mhd", "scan.raw"]
     assert ended.statistics.frames_received == 24
+    assert "bone_sigma_voxels" in ended.result.intensity.fields["AIFRecon_settings"]
     assert ended.statistics.skipped.get("paused", 0) == 24 - len(counted)
 
 
@@ -148,18 +139,3 @@ def test_a_scan_that_cannot_begin_leaves_nothing_running(worker, request_of):
     with pytest.raises(OutputError):
         worker.keep(begin_scan, request)
     assert list(request_of().record.parent.iterdir()) == []
-
-
-def test_the_bone_of_a_scan_may_be_moved_and_drawn_anew(request_of):
-    request = request_of(record=None, guidance=True)
-    scan = Scan(request)
-    try:
-        moved = LABELS_TO_REFERENCE.copy()
-        moved[:3, 3] += 5.0
-        scan.place(moved, sphere_bone(center=(0.0, 0.0, 0.0)).inside)
-        scan.follow_bone(moved)
-        assert scan.look().guidance is not None
-        scan.guide(False)
-        assert scan.look().guidance is None
-    finally:
-        scan.close()
