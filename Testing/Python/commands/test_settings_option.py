@@ -97,18 +97,6 @@ def test_settings_are_written_alike_as_json_and_as_toml(make, results):
 # ---- options given beside it
 
 
-@pytest.mark.parametrize(
-    ("kept", "options"),
-    [
-        (["--image-to-reference", "ImageToTracker"], ["--image-to-reference", "ImageToReference"]),
-        (["--spacing", "1.5"], ["--spacing", "2"]),
-    ],
-)
-def test_the_box_of_another_frame_or_spacing_is_not_used(kept, options, make, results):
-    make("kept", *kept, "--hole-limit", "1")
-    assert_same(make("expected", *options, "--hole-limit", "1"), make("mixed", "--settings", results / "kept.nrrd", *options))
-
-
 @pytest.mark.parametrize("options", [["--method", "latest"], ["--hole-limit", "0"], ["--clip-px", "2", "3", "30", "20"], ["--skip", "2"]])
 def test_an_option_given_beside_it_wins_and_the_rest_stays(options, make, results):
     make("kept", "--spacing", "1.5", "--hole-limit", "1")

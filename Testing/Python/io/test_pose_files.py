@@ -21,10 +21,6 @@ def quaternion(pose, order="xyzw") -> list[float]:
     return [float(by_axis[axis]) for axis in order]
 
 
-def euler(pose, order, degrees=True) -> list[float]:
-    return np.ravel(Rotation.from_matrix(pose[:3, :3]).as_euler(order, degrees=degrees)).tolist()
-
-
 def table(rows, header=None, separator=",") -> str:
     return "\n".join([*([separator.join(header)] if header else []), *(separator.join(map(str, row)) for row in rows)]) + "\n"
 
@@ -41,36 +37,9 @@ def assert_poses(found):
 
 BY_ROW = [pose.ravel().tolist() for pose in POSES]
 M00 = [f"m{r}{c}" for r in range(4) for c in range(4)]
-M11 = [f"M{r}{c}" for r in range(1, 5) for c in range(1, 5)]
 
 
-@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
-@pytest.mark.parametrize("header", [None, M00, M11, [f"m{n}" for n in range(16)]], ids=["none", "from 0", "from 1", "counted"])
-def test_matrices_in_columns(tmp_path, header, separator):
-    assert_poses(read(tmp_path, table(BY_ROW, header, separator)))
-
-
-NO_ORDER = (None, "x y z q0 q1 q2 q3", "x y z q1 q2 q3 q4")
 NAMED = ("x y z qx qy qz qw", "tx ty tz q_x q_y q_z q_w", "Pos_X Pos_Y Pos_Z Quat_X Quat_Y Quat_Z Quat_W")
-
-
-@pytest.mark.parametrize(
-    ("header", "order"), [*((header, None) for header in NAMED), *((header, order) for header in NO_ORDER for order in ("xyzw", "wxyz"))]
-)
-def test_named_quaternions_need_no_order_and_others_take_theirs(tmp_path, header, order):
-    rows = [[*pose[:3, 3], *quaternion(pose, order or "xyzw")] for pose in POSES]
-    assert_poses(read(tmp_path, table(rows, header and header.split()), order and ImportOptions(quaternion_order=order)))
-
-
-@pytest.mark.parametrize("unit", ["deg", "rad"])
-@pytest.mark.parametrize(("order", "named"), [*((order, True) for order in ("xyz", "ZYX", "XYZ", "zxy")), ("ZYX", False), ("ZXZ", False)])
-def test_named_euler_angles_belong_to_their_axes_and_others_come_in_the_order_of_the_turns(tmp_path, order, named, unit):
-    rows = []
-    for pose in POSES:
-        angles = euler(pose, order, unit == "deg")
-        rows.append([*pose[:3, 3], *([dict(zip(order.lower(), angles))[axis] for axis in "xyz"] if named else angles)])
-    header = ["x", "y", "z", "rx", "ry", "rz"] if named else None
-    assert_poses(read(tmp_path, table(rows, header), ImportOptions(euler_order=order, angle_unit=unit)))
 
 
 @pytest.mark.parametrize("missing", [["nan"] * 7, [""] * 7, ["1", "2", "3", "0", "0", "0", "0"], None])

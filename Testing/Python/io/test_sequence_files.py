@@ -78,15 +78,6 @@ def test_a_real_recording_equals_what_simpleitk_reads(real_data, name, tmp_path)
         assert sequence.status_counts(TransformName("Stylus", "Tracker")) == {TransformStatus.INVALID: 97}
 
 
-@pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
-def test_records_hold_poses_statuses_and_times(tmp_path, suffix):
-    first, second = read_sequence(WRITE[suffix](tmp_path / f"sweep{suffix}", ramp())).records
-    assert first.transforms[PROBE_TO_TRACKER].matrix[:3, 3].tolist() == [10.5, -2.25, 3e-05]
-    assert second.transforms[PROBE_TO_TRACKER].status is TransformStatus.OUT_OF_VIEW
-    assert (first.timestamp, second.timestamp) == (215.102186, 215.190114)
-    assert second.image_status is TransformStatus.INVALID
-
-
 @pytest.mark.parametrize("name", ["Status", "ImageStatus"])
 def test_the_image_status_of_an_nrrd_has_either_name(tmp_path, name):
     path = nrrd(tmp_path / "sweep.nrrd", ramp(), {f"Seq_Frame0001_{name}": "INVALID"})
@@ -128,13 +119,6 @@ def test_header_transforms_fields_and_a_configuration_hold_for_the_sequence(tmp_
     assert list(sequence.transforms) == [TransformName("Image", "Probe")]
     assert sequence.fields == {"Operator": "JD"}
     assert sequence.configuration.path == tmp_path / "plus.xml"
-
-
-@pytest.mark.parametrize(("write", "name", "key"), [(metaimage, "sweep.mhd", "ElementDataFile"), (nrrd, "sweep.nhdr", "data_file")])
-def test_pixels_may_lie_in_a_file_beside_the_header(tmp_path, write, name, key):
-    (tmp_path / "pixels.raw").write_bytes(ramp().tobytes())
-    path = write(tmp_path / name, ramp(), data=b"", **{key: "pixels.raw"})
-    np.testing.assert_array_equal(np.asarray(read_sequence(path).images), ramp())
 
 
 # Writing

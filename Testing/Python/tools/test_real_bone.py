@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from study.real_bone import main
 from study.real_bone_angles import traced_echoes
-from study.real_bone_cases import RealBone
 from study.real_bone_measures import by_incidence, false_bone, precision
 
 from AIFReconLib.evaluation.visibility import bone_truth
@@ -104,10 +103,3 @@ def test_without_the_recording_one_sentence_says_what_to_do(tmp_path, monkeypatc
     assert (
         capsys.readouterr().err == f"study: {tmp_path / 'fibula'} is not there. Set AIFRECON_DATA_DIR to the folder that holds fibula/.\n"
     )
-
-
-@pytest.fixture(scope="module")
-def real_bone(data_dir):
-    if not (data_dir / "fibula").is_dir():
-        pytest.skip("the fibula is not there")
-    return RealBone(data_dir / "fibula")
