@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import subprocess
 import sys
@@ -67,15 +66,6 @@ def test_a_bone_map_beside_the_sweep_is_a_warning(patient, results, capsys):
     assert "Warning: the bone map does not overlap" in capsys.readouterr().out
 
 
-def test_info_says_that_a_sequence_is_ready(patient, capsys):
-    assert main(["info", str(patient.sweep), "--config", str(patient.config)]) == 0
-    out = capsys.readouterr().out
-    assert "6 of 40 x 30 pixels, uint8" in out
-    assert "0.4 x 0.5 mm" in out
-    assert "20.0 frames/s" in out
-    assert "Ready: 6 of 6 frames can be placed by ImageToProbe, ProbeToTracker, TrackerToReference." in out
-
-
 def test_clip_and_fan_limit_what_enters_and_a_clip_keeps_the_fan_of_the_configuration(patient, results):
     curved = 'TransducerGeometry="CURVILINEAR" RadiusStartMm="4" RadiusStopMm="12" ThetaStartDeg="-20" ThetaStopDeg="20"'
 
@@ -118,12 +108,6 @@ def test_a_reader_that_goes_away_is_no_error(patient):
 )
 def test_an_amount_of_memory_may_have_its_unit(text, size):
     assert gigabytes(text) == size
-
-
-def test_coverage_takes_an_output_as_its_siblings_do(patient, results):
-    words = ["coverage", patient.sweep, "--config", patient.config, "--bone-labels", patient.labels, "-o", results / "c.json"]
-    assert main([str(word) for word in words]) == 0
-    assert "labels" in json.loads((results / "c.json").read_text())
 
 
 @pytest.mark.parametrize(("given", "expected"), [(None, "1"), ("3", "3")])

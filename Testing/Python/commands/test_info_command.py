@@ -38,7 +38,9 @@ def test_the_command_that_is_given_makes_the_volume_that_was_announced(patient, 
 def test_box_voxels_memory_and_command_are_printed(patient, capsys):
     assert main(["info", str(patient.sweep), "--config", str(patient.config)]) == 0
     said = capsys.readouterr().out
-    for word in ("box:", "voxels:", "memory:", "Gaps between frames are filled up to", "reconstruct "):
+    ready = "Ready: 6 of 6 frames can be placed by ImageToProbe, ProbeToTracker, TrackerToReference."
+    facts = (ready, "6 of 40 x 30 pixels, uint8", "0.4 x 0.5 mm", "20.0 frames/s")
+    for word in (*facts, "box:", "voxels:", "memory:", "Gaps between frames are filled up to", "reconstruct "):
         assert word in said
 
 

@@ -7,7 +7,7 @@ import pytest
 import SimpleITK as sitk
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
+from sequence_samples import FIELDS, IDENTITY, assert_same_records, metaimage, nrrd, ramp
 
 from AIFReconLib.errors import OperationCanceled, SequenceFormatError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
@@ -37,15 +37,6 @@ def simpleitk_read(path) -> tuple[np.ndarray, dict[str, str]]:
 def fields_of(path) -> dict[str, str]:
     """Every per-frame field of a sequence as this library reads it, spelled as a header would."""
     return {key: value for key, value in read_metafile(path, SequenceFormatError).fields.items() if key.startswith("Seq_")}
-
-
-def assert_same_records(actual: list[FrameRecord], expected: list[FrameRecord]) -> None:
-    for a, b in zip(actual, expected, strict=True):
-        assert {**vars(a), "transforms": {}} == {**vars(b), "transforms": {}}
-        assert list(a.transforms) == list(b.transforms)
-        for name, sample in b.transforms.items():
-            assert a.transforms[name].status is sample.status
-            np.testing.assert_array_equal(a.transforms[name].matrix, sample.matrix)
 
 
 # Reading

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import struct
-from itertools import pairwise
 
 import numpy as np
-import pyigtl
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from igtl_streams import POSE, image_bytes, packed, picture, recorded, transform_bytes
+from igtl_streams import POSE, image_bytes, picture, recorded, transform_bytes
 
 from AIFReconLib.errors import LiveMessageError
 from AIFReconLib.geometry.transform_graph import TransformStatus
@@ -37,10 +35,6 @@ def framed(*chunks: bytes, size_limit: int = 2**20) -> list:
     return [part for chunk in chunks for part in framer.feed(chunk)]
 
 
-def devices(parts: list) -> list[str]:
-    return [part.device for part in parts]
-
-
 def decoded(message: bytes):
     """The only message in a frame."""
     (frame,) = framed(message)
@@ -59,14 +53,6 @@ def test_the_checksum_of_any_length_is_that_of_the_definition(size):
 
 
 # ---- framing
-
-
-@given(st.lists(st.integers(0, 700), max_size=6))
-@settings(max_examples=40, deadline=None)
-def test_where_the_stream_is_cut_into_chunks_makes_no_difference(cuts):
-    stream = transform_bytes(device="A") + image_bytes(device="B") + transform_bytes(device="C")
-    edges = [0, *sorted(cuts), len(stream)]
-    assert devices(framed(*(stream[a:b] for a, b in pairwise(edges)))) == ["A", "B", "C"]
 
 
 @given(
@@ -177,11 +163,6 @@ def test_the_status_of_a_transform_is_in_its_metadata_but_nan_is_never_a_pose(ma
 def test_what_makes_no_sense_is_refused_with_the_reason(message, why):
     with pytest.raises(LiveMessageError, match=why):
         decoded(message)
-
-
-def test_types_that_nobody_needs_give_no_message():
-    (frame,) = framed(packed(pyigtl.StringMessage("hello", device_name="Text")))
-    assert decode(frame) == ()
 
 
 @pytest.mark.parametrize(("kind", "atol"), [("TDATA", 0.0), ("POSITION", 2e-4)])

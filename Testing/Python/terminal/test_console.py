@@ -63,25 +63,6 @@ def test_lines_may_still_be_drawn_anew_and_hold_every_letter():
     assert stream.getvalue() == "\rinserted \xe9\u0394\u4e2d\n\r   \ra\tb\n"
 
 
-def test_names_in_files_reach_the_terminal_as_words(tmp_path, capsys):
-    from files import write_patient
-
-    from AIFReconLib.commands.parser import main
-
-    config = write_patient(tmp_path).config
-    sweep = tmp_path / "sweep.igs.mha"
-    data = sweep.read_bytes().replace(b"Seq_Frame0000_Timestamp", b"Own\x1b]0;mine\x07 = \x1b[31m\nSeq_Frame0000_Timestamp", 1)
-    sweep.write_bytes(data)
-    for command in (
-        ["info", str(sweep)],
-        ["reconstruct", str(sweep), "--config", str(config), "--output", str(tmp_path / "\x1b[31m.nrrd")],
-    ):
-        main(command)
-    said = capsys.readouterr()
-    assert "\x1b" not in said.out + said.err
-    assert "wrote" in said.out
-
-
 def test_a_log_holds_nothing_that_a_terminal_would_obey(tmp_path, capsys):
     from AIFReconLib.commands.parser import main
 

@@ -46,18 +46,6 @@ def test_precision_tells_bright_voxels_on_the_surface_from_those_inside_and_outs
     assert found["shown_180"] == pytest.approx(1.0)
 
 
-def test_what_is_not_above_a_threshold_counts_as_neither_bright_nor_shown(truth):
-    found = precision(volume(k19=150), truth)
-    assert found["precision_140"] == 1.0
-    assert found["shown_140"] == pytest.approx(1.0)
-    assert np.isnan(found["precision_180"])
-    assert found["shown_180"] == 0.0
-
-
-def test_what_is_far_from_bone_is_not_judged(truth):
-    assert precision(volume(k19=200, k5=200), truth)["precision_180"] == 1.0
-
-
 def test_a_line_where_the_misplaced_ct_expects_bone_is_false_bone(truth):
     found = false_bone(volume(k13=255), truth, moved(-6.0))
     assert found["false_bone"] == 1.0
@@ -66,10 +54,6 @@ def test_a_line_where_the_misplaced_ct_expects_bone_is_false_bone(truth):
 
 def test_the_true_line_is_no_false_bone_however_the_ct_lies(truth):
     assert false_bone(volume(k19=255, k20=255), truth, moved(-6.0))["false_bone"] == 0.0
-
-
-def test_nothing_can_be_false_where_the_ct_is_hardly_moved(truth):
-    assert np.isnan(false_bone(volume(k19=255), truth, moved(1.0))["false_bone"])
 
 
 def test_bone_counts_at_its_own_angle_of_incidence(truth):

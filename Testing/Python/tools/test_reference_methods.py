@@ -47,21 +47,6 @@ def view(gray, measured=None):
     return Reconstruction(intensity, None, None, Volume(mask, np.eye(4)), None, "average", 1, {})
 
 
-def speckle(seed):
-    return np.random.default_rng(seed).integers(20, 90, (14, 15, 16))
-
-
-def test_views_that_agree_are_joined_to_what_each_of_them_shows():
-    np.testing.assert_array_equal(largest_contrast([view(speckle(1))] * 3).intensity.array, speckle(1))
-
-
-def test_what_one_view_alone_has_measured_is_joined_unchanged():
-    measured = np.arange(16) < 6 + 0 * speckle(2)
-    joined = largest_contrast([view(speckle(1)), view(speckle(2), measured)])
-    np.testing.assert_array_equal(joined.intensity.array[~measured], speckle(1)[~measured])
-    assert not largest_contrast([view(speckle(2), measured)]).mask.array[~measured].any()
-
-
 def test_a_line_that_one_of_two_views_shows_stays_brighter_than_in_their_mean():
     dark = np.full((14, 15, 16), 40)
     line = dark.copy()
