@@ -254,19 +254,17 @@ def test_a_cluster_that_is_there_computes_the_same_bytes(finished, lab, address)
     assert (lab.output / "P3" / "average.nrrd").read_bytes() == (finished[0].output / "P3" / "average.nrrd").read_bytes()
 
 
-def test_workers_of_another_version_are_refused(lab, address, monkeypatch):
-    monkeypatch.setattr(engine, "__version__", "9.9")
-    with pytest.raises(SettingsError, match=r"has AIFRecon .*, and this is 9\.9"), cluster_at(address, lab.folder):
-        pass
-
-
-def test_workers_that_do_not_see_the_folder_are_refused(lab, address):
-    with pytest.raises(SettingsError, match="does not see the folder"), cluster_at(address, lab.folder / "nowhere"):
-        pass
-
-
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x"])
-def test_a_scheduler_that_is_not_there_is_one_sentence(lab, monkeypatch, address):
-    monkeypatch.setattr(engine, "SCHEDULER_WAIT", 0.3)
-    with pytest.raises(SettingsError, match="Dask scheduler"), cluster_at(address, lab.folder):
+@pytest.mark.parametrize(
+    ("scheduler", "folder", "version", "says"),
+    [
+        (None, "", "9.9", r"has AIFRecon .*, and this is 9\.9"),
+        (None, "nowhere", engine.__version__, "does not see the folder"),
+        ("tcp://127.0.0.1:9", "", engine.__version__, "Dask scheduler"),
+        ("nonsense://x", "", engine.__version__, "Dask scheduler"),
+    ],
+)
+def test_a_cluster_that_cannot_be_used_is_refused_in_a_sentence(lab, address, monkeypatch, scheduler, folder, version, says):
+    monkeypatch.setattr(engine, "__version__", version)
+    monkeypatch.setattr(engine, "SCHEDULER_WAIT", 0.3 if scheduler else engine.SCHEDULER_WAIT)
+    with pytest.raises(SettingsError, match=says), cluster_at(scheduler or address, lab.folder / folder):
         pass

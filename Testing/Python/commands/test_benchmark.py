@@ -49,15 +49,6 @@ def test_the_yardstick_gives_the_voxels_of_the_engines(method):
     np.testing.assert_allclose(reconstructor.finish().intensity.array, value, rtol=1e-6)
 
 
-@needs_numba
-def test_there_is_a_yardstick_for_every_method():
-    grid = turned_grid((4.0, 4.0, 4.0))
-    loops = LOOPS.yardsticks(fan_sweep(2, 64, 48), grid, sphere_bone(), ProbeGeometry("linear"))
-    for work in loops.values():
-        work()
-    assert sorted(loops) == sorted(METHODS)
-
-
 def test_everything_is_measured(monkeypatch):
     monkeypatch.setattr(speed, "FILE_FRAMES", 2)
     result = speed.benchmark(2, 1, (4.0,), voxels=8000)

@@ -177,16 +177,12 @@ def test_poses_with_an_unknown_calibration_in_them_are_not_touched(tmp_path, res
     assert "its ImageToReference includes the calibration that it was recorded with" in refused(arguments, capsys, results)
 
 
-def test_of_a_configuration_the_calibration_of_the_image_is_taken(tmp_path):
+def test_of_a_configuration_the_calibration_of_the_image_is_taken_and_of_two_it_is_asked_which(tmp_path):
     path = xml(tmp_path / "c.xml")
     add_transform(path, "Needle", "Probe")
     name, matrix = read_calibration(path)
     assert name == IMAGE_TO_PROBE_NAME
     np.testing.assert_array_equal(matrix, IMAGE_TO_PROBE)
-
-
-def test_a_configuration_of_two_calibrations_asks_which(tmp_path):
-    path = xml(tmp_path / "c.xml")
     add_transform(path, "Image", "Needle")
     with pytest.raises(FileFormatError, match="one transform from Image; got ImageToProbe, ImageToNeedle"):
         read_calibration(path)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import sys
 import zlib
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,6 @@ from volume_samples import refusal
 
 from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS
-from AIFReconLib.io.disk import itk
 from AIFReconLib.io.volume import itk_reading
 from AIFReconLib.io.volume.files import read_volume, write_volume
 from AIFReconLib.io.volume.itk_reading import read_metafile_volume
@@ -142,18 +140,6 @@ def test_a_raw_file_whose_header_is_of_another_length_is_refused(tmp_path, skip,
 def test_a_frame_that_is_not_named_is_noted(tmp_path, caplog, changes, said):
     read_volume(nrrd(tmp_path / "ct.nrrd", **changes))
     assert [said in message and "is taken to be LPS" in message for message in caplog.messages] == [True] * (said is not None)
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="stands in for Windows")
-def test_on_windows_names_beyond_ascii_are_read(tmp_path, monkeypatch):
-    monkeypatch.setattr(itk.sys, "platform", "win32")
-    read, read_image = [], sitk.ReadImage
-    monkeypatch.setattr(sitk, "ReadImage", lambda name, **given: read.append(name) or read_image(name, **given))
-    (tmp_path / "Müller").mkdir()
-    (tmp_path / "Müller" / "ct.raw").write_bytes(DATA)
-    path = metaimage(tmp_path / "Müller" / "ct.mhd", b"", ElementDataFile="ct.raw")
-    assert read_volume(path).shape == (4, 3, 4)
-    assert read[0].isascii()
 
 
 def test_a_note_of_any_length_is_read(tmp_path):

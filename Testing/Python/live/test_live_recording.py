@@ -297,23 +297,13 @@ def test_a_recording_that_cannot_be_read_is_kept_and_not_taken_up(tmp_path, reco
 FULL = OSError(errno.ENOSPC, "No space left on device")
 
 
-@pytest.mark.parametrize("writes", range(2))
-def test_a_full_disk_takes_nothing_of_what_is_taken_up(writes, tmp_path, monkeypatch, record):
-    record(tmp_path / "scan.mha", frames(4)).close()
-    failing_after(monkeypatch, writes, FULL)
-    recorder = record(tmp_path / "scan.mha", frames(6)[4:], takes_up=True)
-    recorder.close()
-    assert recorder.failure.endswith(f"4 frames are kept in {recorder.header_path}.")
-    images = images_in(recorder.header_path)
-    assert len(images) == 4
-    np.testing.assert_array_equal(images, [SMALL + n for n in range(len(images))])
-
-
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize("writes", [5, 6])
-def test_a_full_disk_stops_the_recording_and_what_was_recorded_before_can_be_read(suffix, writes, tmp_path, monkeypatch, record):
+@pytest.mark.parametrize(("before", "writes"), [(0, 5), (0, 6), (3, 0), (3, 1)])
+def test_a_full_disk_stops_the_recording_and_takes_nothing_of_what_there_was(suffix, before, writes, tmp_path, monkeypatch, record):
+    path = tmp_path / f"scan{suffix}"
+    record(path, frames(before)).close()
     failing_after(monkeypatch, writes, FULL)
-    recorder = record(tmp_path / f"scan{suffix}", frames())
+    recorder = record(path, frames(6)[before:], takes_up=before > 0)
     assert recorder.failure == f"Recording stopped: the disk is full. 3 frames are kept in {recorder.header_path}."
     recorder.finish()
     assert recorder.failure.endswith(f"3 frames are kept in {recorder.path}.")

@@ -192,21 +192,6 @@ def test_a_volume_made_anew_is_that_of_frames_which_lie_elsewhere(session_of, co
     assert session.in_place[-1] == pytest.approx(moved[-2])
 
 
-def test_snapshots_while_frames_come_lose_none(session_of, configuration):
-    sequence, settings = tracked_sequence(count=60), ReconstructionSettings(hole_limit=3.0)
-    # However long a snapshot takes, an image waits for the transforms that are put after it
-    session = session_of(settings=settings, synchronizer=SynchronizerSettings(patience=LONG))
-    session.start()
-    for number, message in enumerate(streamed(sequence)):
-        session.queue.put(message)
-        if number % 15 == 0:
-            session.snapshot()
-    expected = reconstruct(replace(sequence, configuration=configuration), settings, grid=GRID)
-    result = session.finish()
-    assert result.frames_inserted == expected.frames_inserted
-    np.testing.assert_array_equal(result.intensity.array, expected.intensity.array)
-
-
 # ---- the box, and what images show
 
 

@@ -338,11 +338,6 @@ def test_an_image_is_given_up_after_the_patience():
     assert [frame.status for frame in synchronizer.expire(2.25)] == ["ProbeToTracker MISSING"]
 
 
-def test_frames_come_out_in_the_order_of_their_images():
-    frames = feed(tracked(1.0) + tracked(2.0, probe=False) + tracked(2.05))
-    assert [(frame.number, frame.timestamp) for frame in frames] == [(0, 1.0), (1, 2.0), (2, 2.05)]
-
-
 def test_old_frames_in_a_burst_get_the_poses_of_their_own_time():
     frames = feed([message for n in range(40) for message in tracked(1.0 + n / 20, received=3.0, probe=n % 7 != 3)])
     assert [frame.status == "OK" for frame in frames] == [n % 7 != 3 for n in range(40)]

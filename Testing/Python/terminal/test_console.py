@@ -17,25 +17,12 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_a_terminal_shows_a_bar_with_the_share_and_the_stage():
-    stream = Terminal()
-    with ProgressBar(stream) as progress:
-        progress(1.0, "Reconstructing")
-        assert f"[{'#' * console.BAR_WIDTH}] 100%  Reconstructing" in stream.getvalue()
-
-
-def test_a_bar_is_gone_when_the_work_is_done():
-    stream = Terminal()
-    with ProgressBar(stream) as progress:
-        progress(1.0, "Writing")
-    assert stream.getvalue().split("\r")[-2].strip() == ""
-
-
-def test_nothing_is_drawn_where_there_is_no_terminal():
-    stream = io.StringIO()
+@pytest.mark.parametrize("stream", [Terminal(), io.StringIO()], ids=["terminal", "file"])
+def test_a_terminal_shows_a_bar_until_the_work_is_done_and_nothing_is_drawn_elsewhere(stream):
     with ProgressBar(stream) as progress:
         assert progress(1.0, "Reconstructing") is True
-    assert stream.getvalue() == ""
+        assert (f"[{'#' * console.BAR_WIDTH}] 100%  Reconstructing" in stream.getvalue()) == stream.isatty()
+    assert stream.getvalue().split("\r")[-2:][0].strip() == ""
 
 
 def test_a_program_on_the_path_is_called_by_its_name(monkeypatch):

@@ -11,11 +11,6 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.simulation.phased_array import PhasedArray
 
 
-def test_confidence_falls_evenly_from_the_face_to_the_end_where_nothing_stops_sound():
-    expected = np.linspace(1.0, 0.0, 12)[:, None].repeat(7, axis=1)
-    np.testing.assert_allclose(random_walk_confidence(np.zeros((12, 7))), expected, atol=1e-9)
-
-
 def test_confidence_is_low_behind_a_bright_line_and_unchanged_beside_it():
     image = np.full((40, 60), 60.0)
     image[15:17, 10:30], image[17:, 10:30] = 255.0, 5.0

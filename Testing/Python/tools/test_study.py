@@ -21,9 +21,7 @@ from study.paths_cases import FIXED, LISTS, NONE, PLANNED
 from study.paths_cases import RIGHT as RIGHT_CT
 from study.paths_cases import Row as PathRow
 from study.paths_page import paths_page
-from study.patients import read_rows
 
-from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation.surface import distance_from_labels
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
@@ -76,13 +74,6 @@ def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
     assert start(["methods", "--output", str(tmp_path / "out"), "--method", "not_there:mine"]) == 2
     assert "there is no module not_there here" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
-
-
-def test_a_spoiled_result_is_named(tmp_path):
-    path = tmp_path / "patient-000.json"
-    path.write_text("[{]")
-    with pytest.raises(FileFormatError, match=r"patient-000\.json"):
-        read_rows(path, Row)
 
 
 @pytest.mark.parametrize("name", STUDIES)
