@@ -17,7 +17,7 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 from AIFReconLib.errors import GeometryError, VolumeFormatError
 from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
-from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.volume.label_files import doubts, read_labels
 from AIFReconLib.io.volume.label_names import BONE, SOFT, bone_name, kind_of, name_by_code
 from AIFReconLib.io.volume.surfaces import write_surface
@@ -172,6 +172,9 @@ def test_a_model_that_does_not_say_its_space_is_a_guess_until_it_is_said(tmp_pat
     assert (guessed.space_is_guessed, said.space_is_guessed) == (True, False)
     assert "RAS or LPS" in guessed.notes[0]
     assert wrong_voxels(guessed) == wrong_voxels(said) == 0
+    told = guessed.told_by(VoxelGrid.from_spacing(POINTS.min(axis=0) - 5, (15, 15, 15), 3.0))
+    assert not told.space_is_guessed
+    assert told.notes[-1].endswith("it is taken to be in LPS, where it lies in the volume.")
 
 
 def test_a_ct_among_masks_is_left_out(tmp_path):
