@@ -208,7 +208,7 @@ def stall(server: FaultyServer, fault: str) -> None:
     number, time_ = server.next_frame()
     data = server.image(number, time_)
     places = sorted(server.within(0, len(data)) for _ in range(2))
-    for start, end, pause in ((0, places[0], 0.6), (*places, 3.2), (places[1], len(data), 0.01)):
+    for start, end, pause in zip((0, *places), (*places, len(data)), (0.6, 3.2, 0.01), strict=True):
         server.line.send(data[start:end])
         server.sleep(server.random.uniform(0.0, pause))
     server.send(number, time_, fault, WHOLE, b"")

@@ -14,6 +14,7 @@ import pytest
 from files import tracked_sequence, write_patient
 from worker_tasks import filled
 
+from AIFReconLib import __version__
 from AIFReconLib.batch import engine
 from AIFReconLib.batch.case import carry_out
 from AIFReconLib.batch.cohort import Cohort
@@ -258,9 +259,9 @@ def test_a_cluster_that_is_there_computes_the_same_bytes(finished, lab, address)
     ("scheduler", "folder", "version", "says"),
     [
         (None, "", "9.9", r"has AIFRecon .*, and this is 9\.9"),
-        (None, "nowhere", engine.__version__, "does not see the folder"),
-        ("tcp://127.0.0.1:9", "", engine.__version__, "Dask scheduler"),
-        ("nonsense://x", "", engine.__version__, "Dask scheduler"),
+        (None, "nowhere", __version__, "does not see the folder"),
+        ("tcp://127.0.0.1:9", "", __version__, "Dask scheduler"),
+        ("nonsense://x", "", __version__, "Dask scheduler"),
     ],
 )
 def test_a_cluster_that_cannot_be_used_is_refused_in_a_sentence(lab, address, monkeypatch, scheduler, folder, version, says):

@@ -183,7 +183,7 @@ def test_of_a_configuration_the_calibration_of_the_image_is_taken_and_of_two_it_
     name, matrix = read_calibration(path)
     assert name == IMAGE_TO_PROBE_NAME
     np.testing.assert_array_equal(matrix, IMAGE_TO_PROBE)
-    add_transform(path, "Image", "Needle")
+    add_transform(xml(path), "Image", "Needle")
     with pytest.raises(FileFormatError, match="one transform from Image; got ImageToProbe, ImageToNeedle"):
         read_calibration(path)
     np.testing.assert_array_equal(read_calibration(path, TransformName("Image", "Needle"))[1], np.eye(4))

@@ -23,6 +23,7 @@ from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
@@ -90,6 +91,14 @@ def insert_all(session, count=6):
     session.start()
     session.queue.put(image(99.0, "Image"))
     wait_for(lambda: session.statistics.inserted == count)
+
+
+def scan_again(session, sequence):
+    """The same frames, later and over another connection: the server does not send them again."""
+    session.queue.put(StreamEvent("connected", "Connected.", 0.0))
+    put_all(
+        session.queue, streamed(replace(sequence, records=[replace(each, timestamp=each.timestamp + 500) for each in sequence.records]))
+    )
 
 
 def captured(data: bytes) -> QueueSource:
@@ -190,6 +199,25 @@ def test_a_volume_made_anew_is_that_of_frames_which_lie_elsewhere(session_of, co
         np.testing.assert_array_equal(getattr(result, name).array, getattr(expected, name).array)
     assert "Mended." in result.messages
     assert session.in_place[-1] == pytest.approx(moved[-2])
+
+
+def test_after_a_reset_the_volume_grows_anew_and_is_weighted_by_the_ct_that_was_placed_meanwhile(session_of, configuration):
+    """The one that grows keeps its own."""
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    recipe = ReconstructionSettings(method="aif", output_type="float32", clip_px=(0,) * 4, probe=LINEAR)
+    earlier, placed = sphere_bone(center=(0.0, 0.0, 0.0)), sphere_bone(center=(2.0, 1.0, -1.0))
+    session = session_of(streamed(sequence), recipe, earlier)
+    session.prepare(LONG)
+    session.use_bone(placed)
+    insert_all(session)
+    np.testing.assert_array_equal(session.snapshot().score.array, reconstruct(sequence, recipe, earlier, GRID).score.array)
+    session.reset()
+    wait_for(lambda: not session.snapshot().hits.array.any())
+    assert session.statistics.inserted == 0
+    scan_again(session, sequence)
+    expected = reconstruct(sequence, recipe, placed, GRID).score.array
+    np.testing.assert_array_equal(session.finish().score.array, expected)
+    assert expected.any()
 
 
 # ---- the box, and what images show
