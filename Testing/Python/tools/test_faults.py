@@ -20,7 +20,7 @@ PLANTED = {
 """Mistakes of the library, a case that meets them, and what is said."""
 
 PROGRAM = """
-import sys, tempfile
+import sys, tempfile, time
 from pathlib import Path
 import faults
 from AIFReconLib.io.disk import workspace
@@ -32,11 +32,12 @@ def in_place(sequence, path, compress):
         write_sequence(sequence, Path(folder) / path.name, compress=compress)
         for made in Path(folder).iterdir():
             with open(path.parent / made.name, "wb", 0) as file:
-                for byte in range(0, made.stat().st_size, 100):
-                    file.write(made.read_bytes()[byte : byte + 100])
+                for byte in range(0, made.stat().st_size, 2000):
+                    file.write(made.read_bytes()[byte : byte + 2000])
+                    time.sleep(0.01)
 
 {planted}
-sys.argv = ["faults", "--seconds", "8", "{case}"]
+sys.argv = ["faults", "--seconds", "15", "{case}"]
 sys.exit(faults.main())
 """
 
