@@ -36,7 +36,7 @@ help:
 	@echo "make study        compare all methods, register CTs, mend calibrations, scan by guidance and find bone in CTs, into $(STUDY_OUTPUT)/ and the pages (two hours)"
 	@echo "make real-bone    compare all methods on a recorded sweep of real bone with its CT, into $(REAL_BONE_OUTPUT)/ and the pages (half an hour)"
 	@echo "make soak         an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
-	@echo "make faults       kill what writes and records, at random, for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
+	@echo "make faults       kill what records and writes sequences, at random, for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
 	@echo "make fuzz         damage input on purpose for FUZZ_SECONDS ($(FUZZ_SECONDS)); only clear refusals may come out"
 	@echo "make clean        remove $(VENV)/ and everything that was built"
 
@@ -131,8 +131,6 @@ real-bone: setup
 # Shorter, or with other faults: make soak SOAK="--minutes 5 --seed 7"
 soak: setup
 	@$(BIN)/python Testing/soak $(SOAK)
-	@$(BIN)/python Testing/soak --record $(SOAK)
-	@$(BIN)/python Testing/soak hostile
 
 # Not run by continuous integration; that runs a few of each kind
 faults: setup

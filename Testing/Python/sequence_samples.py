@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.sweep.frames import FrameRecord
+
 TYPES = {
     "u1": ("MET_UCHAR", "uint8"),
     "i1": ("MET_CHAR", "int8"),
@@ -100,3 +102,13 @@ def nrrd(
     pairs = [f"{key}:={value}\n" for key, value in {"ultrasound image orientation": "MFA", **fields}.items()]
     path.write_bytes(b"NRRD0004\n# made by hand\n" + "".join(lines + pairs).encode() + b"\n" + payload)
     return path
+
+
+def assert_same_records(actual: list[FrameRecord], expected: list[FrameRecord]) -> None:
+    """To the last bit."""
+    for a, b in zip(actual, expected, strict=True):
+        assert {**vars(a), "transforms": {}} == {**vars(b), "transforms": {}}
+        assert list(a.transforms) == list(b.transforms)
+        for name, sample in b.transforms.items():
+            assert a.transforms[name].status is sample.status
+            np.testing.assert_array_equal(a.transforms[name].matrix, sample.matrix)

@@ -1,4 +1,4 @@
-"""Starts the soak test, ``python Testing/soak``; with the word ``hostile`` behind it, peers that mean no good."""
+"""Starts the soak test, ``python Testing/soak``."""
 
 import sys
 from pathlib import Path
@@ -6,6 +6,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 if __name__ == "__main__":
-    from soak import client, hostile
+    from soak import client
 
-    raise SystemExit(hostile.main(sys.argv[2:]) if sys.argv[1:2] == ["hostile"] else client.main(sys.argv[1:]))
+    raise SystemExit(client.main())

@@ -12,14 +12,15 @@ from pathlib import Path
 
 import pytest
 from files import tracked_sequence, write_patient
-from worker_tasks import double_or_die, filled
+from worker_tasks import filled
 
+from AIFReconLib import __version__
 from AIFReconLib.batch import engine
 from AIFReconLib.batch.case import carry_out
 from AIFReconLib.batch.cohort import Cohort
-from AIFReconLib.batch.engine import LocalExecutor, cluster_at, completed, local_workers
+from AIFReconLib.batch.engine import LocalExecutor, cluster_at, local_workers
 from AIFReconLib.batch.memory import Shares
-from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, read_record
+from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS
 from AIFReconLib.batch.results import results_table, write_tables
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
@@ -228,27 +229,7 @@ def test_a_mistake_of_ours_in_one_case_is_said_and_costs_no_other(lab, monkeypat
     assert lab.done() == []
 
 
-def test_an_interrupt_leaves_whole_cases_only_and_the_next_run_goes_on(lab):
-    def stop_after_the_first(fraction, _message):
-        if fraction > 0:
-            raise KeyboardInterrupt
-        return True
-
-    with pytest.raises(KeyboardInterrupt):
-        lab.run(stop_after_the_first)
-    records = [read_record(lab.output, name) for name in lab.done() if not name.startswith(".")]
-    assert all(record is not None and record.state == DONE for record in records)
-    assert lab.run().count(DONE) == 3
-
-
 # ---- the engine
-
-
-def test_work_whose_process_ends_is_lost_and_no_other_work():
-    with LocalExecutor(2) as executor:
-        made = dict(completed(executor, double_or_die, (1, -1, 2, 3, 4)))
-    assert isinstance(made.pop(-1), BrokenExecutor)
-    assert made == {1: 2, 2: 4, 3: 6, 4: 8}
 
 
 def test_a_process_that_takes_more_than_its_share_is_ended():
@@ -274,28 +255,17 @@ def test_a_cluster_that_is_there_computes_the_same_bytes(finished, lab, address)
     assert (lab.output / "P3" / "average.nrrd").read_bytes() == (finished[0].output / "P3" / "average.nrrd").read_bytes()
 
 
-def test_workers_of_another_version_are_refused(lab, address, monkeypatch):
-    monkeypatch.setattr(engine, "__version__", "9.9")
-    with pytest.raises(SettingsError, match=r"has AIFRecon .*, and this is 9\.9"), cluster_at(address, lab.folder):
+@pytest.mark.parametrize(
+    ("scheduler", "folder", "version", "says"),
+    [
+        (None, "", "9.9", r"has AIFRecon .*, and this is 9\.9"),
+        (None, "nowhere", __version__, "does not see the folder"),
+        ("tcp://127.0.0.1:9", "", __version__, "Dask scheduler"),
+        ("nonsense://x", "", __version__, "Dask scheduler"),
+    ],
+)
+def test_a_cluster_that_cannot_be_used_is_refused_in_a_sentence(lab, address, monkeypatch, scheduler, folder, version, says):
+    monkeypatch.setattr(engine, "__version__", version)
+    monkeypatch.setattr(engine, "SCHEDULER_WAIT", 0.3 if scheduler else engine.SCHEDULER_WAIT)
+    with pytest.raises(SettingsError, match=says), cluster_at(scheduler or address, lab.folder / folder):
         pass
-
-
-def test_workers_that_do_not_see_the_folder_are_refused(lab, address):
-    with pytest.raises(SettingsError, match="does not see the folder"), cluster_at(address, lab.folder / "nowhere"):
-        pass
-
-
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x"])
-def test_a_scheduler_that_is_not_there_is_one_sentence(lab, monkeypatch, address):
-    monkeypatch.setattr(engine, "SCHEDULER_WAIT", 0.3)
-    with pytest.raises(SettingsError, match="Dask scheduler"), cluster_at(address, lab.folder):
-        pass
-
-
-# Last, for its cluster has one worker less for a while
-def test_work_whose_process_ends_is_lost_on_a_cluster_too_and_no_other_work(lab, address):
-    with cluster_at(address, lab.folder) as (executor, memory, _):
-        made = dict(completed(executor, double_or_die, (-1, *range(20))))
-    assert memory == 3_000_000_000
-    assert isinstance(made.pop(-1), Exception)
-    assert made == {n: 2 * n for n in range(20)}

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import os
-from concurrent.futures import BrokenExecutor
-from dataclasses import replace
 
 import pytest
 from files import write_patient
 
 from AIFReconLib.batch import case as module
 from AIFReconLib.batch.case import carry_out
-from AIFReconLib.batch.cohort import Cohort
 from AIFReconLib.batch.page import page
-from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, Record, is_current, read_record, write_record
+from AIFReconLib.batch.records import DONE, LOST, RECORDS, Record, is_current, read_record
 from AIFReconLib.batch.results import results_table
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import OutputError
 
 HEAD = "case,sweeps,config,spacing,preview\n"
 needs_links = pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
@@ -111,70 +107,6 @@ def test_a_file_that_comes_while_a_case_is_computed_stays(lab, monkeypatch):
     record = carry_out(first_case(lab), lab / "out")
     assert (record.state, "mine.txt" in record.message) == (LOST, True)
     assert {path.name for path in (lab / "out" / "P1").iterdir()} == {"average.nrrd", "report.json", "mine.txt"}
-
-
-def test_results_of_a_run_that_was_ended_before_it_said_so_are_replaced(lab, monkeypatch):
-    kept = []
-    monkeypatch.setattr(module, "write_record", lambda output, record: (kept.append(record.state), write_record(output, record)))
-    (lab / "out" / RECORDS).mkdir(parents=True)
-    carry_out(first_case(lab), lab / "out")
-    # As it was between the results and the last record
-    assert kept == [LOST, DONE]
-    write_record(lab / "out", replace(read_record(lab / "out", "P1"), state=LOST, results=[]))
-    monkeypatch.undo()
-    done(lab, lab / "out")
-
-
-def test_results_of_before_are_known_after_a_process_was_lost(lab):
-    known = done(lab, lab / "out").outputs
-    Cohort([], lab / "out")._lost(first_case(lab), BrokenExecutor("it was ended"))
-    record = read_record(lab / "out", "P1")
-    assert (record.state, record.outputs, record.results) == (LOST, known, [])
-
-
-def fails(lab, monkeypatch, error=None):
-    """The work ends so; meanwhile another batch has computed the case."""
-    work = module._Work.results
-
-    def results(self):
-        monkeypatch.undo()
-        done(lab, lab / "out")
-        if error is not None:
-            raise error
-        return work(self)
-
-    monkeypatch.setattr(module._Work, "results", results)
-
-
-def renamed_late(lab, monkeypatch, failing):
-    """Of the two renames of folders, the old one that goes aside or the new one that comes, one reports failure after it was done."""
-    rename = os.rename
-
-    def late(old, new):
-        rename(old, new)
-        if new == (lab / "out" / "P1" if failing == "new" else new.parent / "before"):
-            raise OSError(5, "Input/output error")
-
-    monkeypatch.setattr(os, "rename", late)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "more", "state"),
-    [
-        (fails, ValueError("mistake"), FAILED),
-        (fails, OutputError("full"), LOST),
-        (fails, None, DONE),
-        (renamed_late, "old", LOST),
-        (renamed_late, "new", LOST),
-    ],
-)
-def test_whatever_goes_wrong_results_of_before_stay_and_are_known(lab, monkeypatch, wrong, more, state):
-    before = done(lab, lab / "out").outputs
-    with monkeypatch.context() as patched:
-        wrong(lab, patched, more)
-        assert carry_out(first_case(lab), lab / "out").state == state
-    assert {path.name for path in (lab / "out" / "P1").iterdir()} == set(before)
-    assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
 
 def test_results_of_another_run_are_not_taken_for_those_of_a_record(lab):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import subprocess
 import sys
@@ -44,16 +43,6 @@ def test_side_outputs_are_written(patient, results):
     assert 0.5 < cosine.max() <= 1.0
 
 
-def test_bone_transform_places_the_labels_in_millimeters(patient, results):
-    """Labels in Reference, and labels elsewhere with the transform that brings them there, give the same volume."""
-    moved = read_labels(patient.labels).placed_by(read_transform(patient.transform))
-    moved.write(results / "placed.nrrd")
-    common = ["--bone-sigma-mm", "1.6", "--output-type", "float32", "--method", "aif"]
-    main([*patient.reconstruct, *patient.bone, *common, "--output", str(results / "a.nrrd")])
-    main([*patient.reconstruct, "--bone-labels", str(results / "placed.nrrd"), *common, "--output", str(results / "b.nrrd")])
-    np.testing.assert_allclose(read_volume(results / "a.nrrd").array, read_volume(results / "b.nrrd").array, atol=1e-2)
-
-
 def test_a_ready_probability_serves_as_bone(patient, results):
     main(["bone-map", str(patient.labels), "--bone-sigma-mm", "1.6", "--output", str(results / "p.nrrd")])
     common = ["--bone-transform", str(patient.transform), "--output-type", "float32", "--method", "aif"]
@@ -75,21 +64,6 @@ def test_a_bone_map_beside_the_sweep_is_a_warning(patient, results, capsys):
     code = main([*patient.reconstruct, "--bone-labels", str(patient.labels), "--bone-sigma-mm", "1", "--output", str(results / "v.nrrd")])
     assert code == 0
     assert "Warning: the bone map does not overlap" in capsys.readouterr().out
-
-
-def test_info_says_that_a_sequence_is_ready(patient, capsys):
-    assert main(["info", str(patient.sweep), "--config", str(patient.config)]) == 0
-    out = capsys.readouterr().out
-    assert "6 of 40 x 30 pixels, uint8" in out
-    assert "0.4 x 0.5 mm" in out
-    assert "20.0 frames/s" in out
-    assert "Ready: 6 of 6 frames can be placed by ImageToProbe, ProbeToTracker, TrackerToReference." in out
-
-
-def test_a_configurations_skip_interval_is_honored(patient, results, capsys):
-    patient.config.write_text(patient.config.read_text().replace("<VolumeReconstruction", '<VolumeReconstruction SkipInterval="3"'))
-    main([*patient.reconstruct, "--output", str(results / "v.nrrd")])
-    assert "2 of 6 frames" in capsys.readouterr().out
 
 
 def test_clip_and_fan_limit_what_enters_and_a_clip_keeps_the_fan_of_the_configuration(patient, results):
@@ -134,12 +108,6 @@ def test_a_reader_that_goes_away_is_no_error(patient):
 )
 def test_an_amount_of_memory_may_have_its_unit(text, size):
     assert gigabytes(text) == size
-
-
-def test_coverage_takes_an_output_as_its_siblings_do(patient, results):
-    words = ["coverage", patient.sweep, "--config", patient.config, "--bone-labels", patient.labels, "-o", results / "c.json"]
-    assert main([str(word) for word in words]) == 0
-    assert "labels" in json.loads((results / "c.json").read_text())
 
 
 @pytest.mark.parametrize(("given", "expected"), [(None, "1"), ("3", "3")])

@@ -24,12 +24,6 @@ def test_one_impossible_pose_costs_one_frame(tmp_path, results, capsys):
     assert "5 of 6 frames" in capsys.readouterr().out
 
 
-@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="permissions do not bind this user")
-def test_a_read_only_folder_is_refused(patient, results, capsys):
-    results.chmod(0o500)
-    refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
-
-
 @pytest.mark.parametrize(("command", "name"), [("demo", "ct.nrrd"), ("simulate", "PlusDeviceSet.xml")])
 def test_simulated_files_replace_none_that_were_not_simulated(command, name, tmp_path, results, capsys):
     (tmp_path / name).write_text("real", encoding="utf-8")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from files import CONFIGURATION, IMAGE_TO_PROBE, refused, tracked_sequence, write_patient
 from late_sweeps import late_sweep, one_way
+from sequence_samples import assert_same_records
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
@@ -55,22 +56,9 @@ def rich_sequence() -> TrackedSequence:
 
 def assert_same(actual: TrackedSequence, expected: TrackedSequence) -> None:
     np.testing.assert_array_equal(np.asarray(actual.images), np.asarray(expected.images))
-    assert actual.images.dtype == expected.images.dtype
-    assert actual.fields == expected.fields
-    of_mine = [actual.transforms, *(record.transforms for record in actual.records)]
-    of_theirs = [expected.transforms, *(record.transforms for record in expected.records)]
-    for found, wanted in zip(of_mine, of_theirs, strict=True):
-        assert list(found) == list(wanted)
-        for name, sample in wanted.items():
-            assert found[name].status is sample.status
-            np.testing.assert_array_equal(found[name].matrix, sample.matrix)
-    for mine, theirs in zip(actual.records, expected.records, strict=True):
-        assert (mine.timestamp, mine.unfiltered_timestamp, mine.image_status, mine.fields) == (
-            theirs.timestamp,
-            theirs.unfiltered_timestamp,
-            theirs.image_status,
-            theirs.fields,
-        )
+    assert (actual.images.dtype, actual.fields) == (expected.images.dtype, expected.fields)
+    mine, theirs = ([FrameRecord(transforms=each.transforms), *each.records] for each in (actual, expected))
+    assert_same_records(mine, theirs)
 
 
 def convert(source, target, *options) -> TrackedSequence:
@@ -189,17 +177,13 @@ def test_poses_with_an_unknown_calibration_in_them_are_not_touched(tmp_path, res
     assert "its ImageToReference includes the calibration that it was recorded with" in refused(arguments, capsys, results)
 
 
-def test_of_a_configuration_the_calibration_of_the_image_is_taken(tmp_path):
+def test_of_a_configuration_the_calibration_of_the_image_is_taken_and_of_two_it_is_asked_which(tmp_path):
     path = xml(tmp_path / "c.xml")
     add_transform(path, "Needle", "Probe")
     name, matrix = read_calibration(path)
     assert name == IMAGE_TO_PROBE_NAME
     np.testing.assert_array_equal(matrix, IMAGE_TO_PROBE)
-
-
-def test_a_configuration_of_two_calibrations_asks_which(tmp_path):
-    path = xml(tmp_path / "c.xml")
-    add_transform(path, "Image", "Needle")
+    add_transform(xml(path), "Image", "Needle")
     with pytest.raises(FileFormatError, match="one transform from Image; got ImageToProbe, ImageToNeedle"):
         read_calibration(path)
     np.testing.assert_array_equal(read_calibration(path, TransformName("Image", "Needle"))[1], np.eye(4))

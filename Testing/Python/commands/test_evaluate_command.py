@@ -11,7 +11,6 @@ import pytest
 from files import write_patient
 
 from AIFReconLib import __version__
-from AIFReconLib.commands.evaluate import unique_names
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.volume.files import read_volume
@@ -60,22 +59,6 @@ def test_the_csv_holds_every_number_of_every_volume_and_whether_a_sweep_tells_wh
     (row,) = rows_of(output)
     assert (row["reachability"], row["oblique_coverage"]) == ("unknown", "")
     assert area < float(row["bone_area"]) == pytest.approx(4 * np.pi * 16, rel=0.15), "with a sweep less bone counts"
-
-
-@pytest.mark.parametrize(
-    ("paths", "expected"),
-    [
-        (["a/x.nrrd", "b/y.nrrd"], ["x.nrrd", "y.nrrd"]),
-        (["a/x.nrrd", "b/x.nrrd", "b/y.nrrd"], ["a/x.nrrd", "b/x.nrrd", "y.nrrd"]),
-        (["a/c/x.nrrd", "y.nrrd", "b/c/x.nrrd"], ["a/c/x.nrrd", "y.nrrd", "b/c/x.nrrd"]),
-        (["x.nrrd", "a/x.nrrd", "x.nrrd"], ["x.nrrd", "a/x.nrrd"]),
-    ],
-)
-def test_names_are_as_short_as_they_can_be_and_whole_on_two_drives(tmp_path, monkeypatch, paths, expected):
-    assert list(unique_names([tmp_path / path for path in paths])) == expected
-    monkeypatch.setattr("os.path.commonpath", lambda folders: int("two drives"))
-    two = [tmp_path / "a" / "v.nrrd", tmp_path / "v.nrrd"]
-    assert list(unique_names(two)) == [path.as_posix() for path in two]
 
 
 def test_a_mask_decides_what_was_measured(case, tmp_path, capsys):

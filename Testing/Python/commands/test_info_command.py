@@ -38,7 +38,9 @@ def test_the_command_that_is_given_makes_the_volume_that_was_announced(patient, 
 def test_box_voxels_memory_and_command_are_printed(patient, capsys):
     assert main(["info", str(patient.sweep), "--config", str(patient.config)]) == 0
     said = capsys.readouterr().out
-    for word in ("box:", "voxels:", "memory:", "Gaps between frames are filled up to", "reconstruct "):
+    ready = "Ready: 6 of 6 frames can be placed by ImageToProbe, ProbeToTracker, TrackerToReference."
+    facts = (ready, "6 of 40 x 30 pixels, uint8", "0.4 x 0.5 mm", "20.0 frames/s")
+    for word in (*facts, "box:", "voxels:", "memory:", "Gaps between frames are filled up to", "reconstruct "):
         assert word in said
 
 
@@ -60,19 +62,17 @@ def unknown_probe(patient, tmp_path):
     return path
 
 
-def test_where_bone_will_be_asked_for_the_probe_is_asked_for_first(unknown_probe, patient, capsys):
-    assert main(["info", str(unknown_probe), "--bone-labels", str(patient.labels)]) == 1
+@pytest.mark.parametrize(
+    ("with_labels", "words"), [(True, ("Not ready for bone", "--probe")), (False, ("Ready:", "For a CT's bone, more is needed"))]
+)
+def test_that_bone_needs_the_probe_is_said_and_where_bone_will_be_asked_for_the_probe_is_first(
+    with_labels, words, unknown_probe, patient, capsys
+):
+    labels = ["--bone-labels", str(patient.labels)] if with_labels else []
+    assert main(["info", str(unknown_probe), *labels]) == with_labels
     said = capsys.readouterr().out
-    assert "Not ready for bone" in said
-    assert "--probe" in said
-    assert "Ready:" not in said
-
-
-def test_without_labels_it_is_said_that_bone_needs_the_probe(unknown_probe, capsys):
-    assert main(["info", str(unknown_probe)]) == 0
-    said = capsys.readouterr().out
-    assert "Ready:" in said
-    assert "For a CT's bone, more is needed" in said
+    assert [word for word in words if word not in said] == []
+    assert ("Ready:" in said) != with_labels
 
 
 def test_with_the_probe_and_labels_the_command_has_them(unknown_probe, patient, capsys):

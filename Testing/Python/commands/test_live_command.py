@@ -111,14 +111,6 @@ def test_scouting_finds_the_box_and_what_was_seen_enters_the_volume(serve, live,
     assert "30 of 30 frames" in captured.out
 
 
-def test_frames_without_tracking_are_named_in_the_summary(serve, live, results, capsys):
-    sequence = tracked_sequence(count=12, statuses={3: TransformStatus.OUT_OF_VIEW, 4: TransformStatus.OUT_OF_VIEW})
-    main(live(serve(sequence, loop=True), "--frames", "10", "--output", results / "v.nrrd"))
-    out = capsys.readouterr().out
-    assert "8 of 10 frames" in out
-    assert "ProbeToTracker" in out
-
-
 def test_when_nothing_was_inserted_the_reason_is_said_and_the_recording_kept(serve, live, results, capsys):
     sequence = tracked_sequence(count=12, statuses=dict.fromkeys(range(12), TransformStatus.OUT_OF_VIEW))
     record = results / "scan.mha"

@@ -68,12 +68,3 @@ def test_no_header_names_a_folder(patient, results):
     output = results / "v.nrrd"
     assert main([*patient.reconstruct, "-q", "-o", str(output)]) == 0
     assert str(patient.sweep.parent) not in "".join(fields_of(output).values())
-
-
-@pytest.mark.parametrize("suffix", [*SUFFIXES, ".nii", ".nii.gz"])
-def test_fields_leave_voxels_and_place_alone(suffix, tmp_path):
-    volume = Volume(np.arange(24, dtype=np.uint8).reshape(2, 3, 4), np.diag([0.5, 0.6, 0.7, 1.0]), {"AIFRecon_method": "average"})
-    volume.write(tmp_path / f"v{suffix}")
-    back = read_volume(tmp_path / f"v{suffix}")
-    np.testing.assert_array_equal(back.array, volume.array)
-    np.testing.assert_allclose(back.ijk_to_reference, volume.ijk_to_reference, atol=1e-6)

@@ -14,24 +14,20 @@ import pytest
 from AIFReconLib.batch.case import TRANSFORM, carry_out
 from AIFReconLib.batch.records import RECORDS
 from AIFReconLib.batch.table import read_cases
-from AIFReconLib.calibration.check import CalibrationCheck
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import AIFReconError, DisagreementWarning, DoubtfulInputWarning
+from AIFReconLib.errors import DisagreementWarning, DoubtfulInputWarning
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import OTHER_BONE, OWN_BONE
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
-from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.io.volume.models import read_model
-from AIFReconLib.message import Sentence
 from AIFReconLib.provenance.settings_files import read_settings
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
-from AIFReconLib.remedies import CALIBRATE
 from AIFReconLib.simulation.scan import random_rigid
 from AIFReconLib.workflows.simulate import write_simulated_patient
 
@@ -98,32 +94,6 @@ def test_the_report_says_of_the_calibration_what_info_says_with_the_transform_th
     assert main(["info", *map(str, words)]) == 0
     assert "\n".join(told) in capsys.readouterr().out
     assert told[0].startswith("Calibration: agrees with this sweep within ")
-
-
-@pytest.mark.parametrize(
-    ("found", "said"),
-    [
-        (
-            CalibrationCheck(False, Sentence("image points lie 2.0 mm off.", CALIBRATE), ("More.",)),
-            ["image points lie 2.0 mm off.", "More."],
-        ),
-        (CalibrationCheck(None, "cannot be told from this sweep."), []),
-        (AIFReconError("Too few echoes."), []),
-    ],
-)
-def test_register_says_what_bone_tells_of_the_calibration_and_nothing_where_it_cannot(found, said, patient, tmp_path, monkeypatch, capsys):
-    def checked(*given, **named):
-        if isinstance(found, Exception):
-            raise found
-        return found
-
-    monkeypatch.setattr("AIFReconLib.workflows.register.checked", checked)
-    assert command(patient, tmp_path / "found.tfm", "--bone-transform", patient.ct_to_reference, "--report", tmp_path / "report.json") == 0
-    out, told = capsys.readouterr().out, json.loads((tmp_path / "report.json").read_text())["calibration"]
-    assert (tmp_path / "found.tfm").exists()
-    assert ("Calibration" in out) is bool(said)
-    assert "\n  ".join(told) in out
-    assert all(words in line for words, line in zip(said, told, strict=True))
 
 
 def test_a_surface_without_vtk_is_refused_before_any_work(patient, tmp_path, monkeypatch, capsys):
@@ -212,39 +182,6 @@ def exact(patient, tmp_path_factory):
     path = tmp_path_factory.mktemp("exact") / "volume.nrrd"
     assert reconstructed(patient, path, "--bone-labels", patient.labels) == 0
     return read_volume(path)
-
-
-def test_other_organs_in_a_file_of_totalsegmentator_are_left_out_and_change_nothing(patient, exact, tmp_path, capsys):
-    true, ct = read_labels(patient.labels), read_volume(patient.ct)
-    # Vertebrae from below, as that program counts them, and the muscles of both sides
-    array = np.where(true.array > 0, 30 - true.array, np.where(ct.array > -200, 86, 0)).astype(np.uint8)
-    Volume(array, true.ijk_to_reference).write(tmp_path / "totalseg.nii.gz")
-    assert reconstructed(patient, tmp_path / "volume.nrrd", "--bone-labels", tmp_path / "totalseg.nii.gz") == 0
-    said = capsys.readouterr().out
-    assert "1 label is no bone by the numbers of TotalSegmentator and left out: 86." in said
-    assert "do not agree" not in said
-    # Vertebrae count the other way round, so sums over them may round otherwise
-    np.testing.assert_allclose(read_volume(tmp_path / "volume.nrrd").array.astype(int), exact.array, atol=1)
-
-
-def test_labels_that_are_no_bone_are_doubted_and_can_be_chosen_among(patient, tmp_path, capsys):
-    true, ct = read_labels(patient.labels), read_volume(patient.ct)
-    array = np.where(true.array > 0, true.array, np.where(ct.array > -200, 5, 0)).astype(np.uint8)
-    Volume(array, true.ijk_to_reference).write(tmp_path / "all.nrrd")
-    assert main(["bone-map", str(tmp_path / "all.nrrd"), "--output", str(tmp_path / "map.nrrd")]) == 2
-    assert "--labels" in capsys.readouterr().err
-    np.testing.assert_array_equal(read_labels(tmp_path / "all.nrrd", "1-3").array, true.array)
-
-
-def test_masks_of_one_bone_each_make_the_map_that_the_labels_make(patient, tmp_path):
-    true = read_labels(patient.labels)
-    files = []
-    for number, name in ((1, "vertebrae_L2"), (2, "vertebrae_L3"), (3, "vertebrae_L4")):
-        files.append(str(tmp_path / f"{name}.nrrd"))
-        Volume((true.array == number).astype(np.uint8), true.ijk_to_reference).write(files[-1])
-    assert main(["bone-map", "--bone-labels", *files, "--bone-sigma-mm", "2", "--output", str(tmp_path / "map.nrrd")]) == 0
-    assert main(["bone-map", str(patient.labels), "--bone-sigma-mm", "2", "--output", str(tmp_path / "same.nrrd")]) == 0
-    np.testing.assert_array_equal(read_volume(tmp_path / "map.nrrd").array, read_volume(tmp_path / "same.nrrd").array)
 
 
 def test_a_ct_alone_enhances_bone_and_says_its_threshold(patient, exact, tmp_path, capsys):

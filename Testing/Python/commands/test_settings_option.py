@@ -59,32 +59,6 @@ def test_how_the_bone_map_was_made_is_repeated(sigma, make, patient, results):
     assert_same(once, make("again", *files, "--settings", results / "kept.nrrd"))
 
 
-def fan_images(count=6, rows=120, columns=160):
-    """A sector on black, about an apex between pixels."""
-    row, column = np.mgrid[:rows, :columns].astype(float)
-    x, y = column - 79.7, row + 20.4
-    inside = (np.abs(np.degrees(np.arctan2(x, y))) < 33) & (np.hypot(x, y) > 30) & (np.hypot(x, y) < 125)
-    speckle = np.random.default_rng(0).integers(60, 250, (count, rows, columns), dtype=np.uint8)
-    return np.where(inside, speckle, 0).astype(np.uint8)
-
-
-@pytest.mark.parametrize("method", ["average", "aif"])
-def test_a_sector_that_was_recognized_is_repeated_where_the_images_show_none(method, make, patient, results):
-    """Images that are lit from side to side: a probe could not be told, so what is used must be what was kept."""
-    write_sequence(tracked_sequence(images=fan_images()), patient.sweep)
-    bare = [line for line in patient.config.read_text().splitlines() if "Output" not in line and "Scan" not in line]
-    patient.config.write_text("\n".join(bare))
-    bone = [*patient.bone] if method == "aif" else []
-    once = make("kept", "--method", method, "--spacing", "2", *bone)
-    assert_same(once, make("again", "--settings", results / "kept.nrrd", *bone))
-    kept = json.loads(once["intensity"].fields["AIFRecon_settings"])
-    assert kept["fan_apex_px"] == pytest.approx([79.7, -20.4], abs=1.5)
-    lit = np.full((6, 120, 160), 200, np.uint8)
-    write_sequence(tracked_sequence(images=lit), patient.sweep)
-    fan = make("lit", "--settings", results / "kept.nrrd", *bone)
-    assert fan["hits"].array.sum() == once["hits"].array.sum()
-
-
 def test_settings_are_written_alike_as_json_and_as_toml(make, results):
     tomllib = pytest.importorskip("tomllib")
     make("a", "--reference", "Tracker", "--save-settings", results / "s.json")
@@ -95,18 +69,6 @@ def test_settings_are_written_alike_as_json_and_as_toml(make, results):
 
 
 # ---- options given beside it
-
-
-@pytest.mark.parametrize(
-    ("kept", "options"),
-    [
-        (["--image-to-reference", "ImageToTracker"], ["--image-to-reference", "ImageToReference"]),
-        (["--spacing", "1.5"], ["--spacing", "2"]),
-    ],
-)
-def test_the_box_of_another_frame_or_spacing_is_not_used(kept, options, make, results):
-    make("kept", *kept, "--hole-limit", "1")
-    assert_same(make("expected", *options, "--hole-limit", "1"), make("mixed", "--settings", results / "kept.nrrd", *options))
 
 
 @pytest.mark.parametrize("options", [["--method", "latest"], ["--hole-limit", "0"], ["--clip-px", "2", "3", "30", "20"], ["--skip", "2"]])

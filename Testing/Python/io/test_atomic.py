@@ -26,20 +26,6 @@ def fail_with(code: int):
     return fail
 
 
-@pytest.mark.parametrize("exception", [RuntimeError, KeyboardInterrupt, SystemExit])
-def test_any_exception_leaves_the_older_file_and_nothing_else(tmp_path, exception):
-    write_text(tmp_path / "a.txt", "old")
-
-    def interrupted():
-        with atomic_output(tmp_path / "a.txt") as temporary:
-            temporary.write_text("half", encoding="utf-8")
-            raise exception
-
-    with pytest.raises(exception):
-        interrupted()
-    assert content_of(tmp_path) == {"a.txt": "old"}
-
-
 def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
     write_text(tmp_path / "a.mhd", "old")
     refused = pytest.raises(OutputError, match=r"a\.mhd: the file did not come about\. Try again")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import SimpleITK as sitk
+from dicom_samples import write_dicom
 from sweeps import rigid
 
 from AIFReconLib.errors import FileFormatError, OutputError
@@ -39,18 +40,11 @@ def test_voxels_and_their_place_come_back_and_it_says_that_it_is_derived_and_for
 
 
 def test_it_joins_the_study_of_the_ct(tmp_path):
-    from pydicom.dataset import Dataset, FileMetaDataset
-    from pydicom.uid import ExplicitVRLittleEndian, generate_uid
-
-    ct = Dataset()
-    ct.file_meta = FileMetaDataset()
-    ct.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian
-    ct.SOPClassUID, ct.SOPInstanceUID, ct.Modality = "1.2.840.10008.5.1.4.1.1.2", generate_uid(), "CT"
-    ct.PatientName, ct.PatientID, ct.StudyInstanceUID, ct.FrameOfReferenceUID = "Doe^Jane", "7", generate_uid(), generate_uid()
-    ct.SeriesInstanceUID = generate_uid()
     (tmp_path / "ct").mkdir()
     (tmp_path / "ct" / "a.txt").write_text("no DICOM")
-    ct.save_as(tmp_path / "ct" / "slice.dcm", enforce_file_format=True)
+    named = {"Modality": "CT", "PatientName": "Doe^Jane", "PatientID": "7"}
+    uids = {name: pydicom.uid.generate_uid() for name in ("StudyInstanceUID", "FrameOfReferenceUID", "SeriesInstanceUID")}
+    ct = pydicom.dcmread(write_dicom(pydicom, tmp_path / "ct" / "slice.dcm", np.zeros((4, 4), np.uint8), **named, **uids))
     write_volume(volume(), tmp_path / "v.dcm", tmp_path / "ct")
     data = pydicom.dcmread(tmp_path / "v.dcm")
     for name in ("PatientName", "PatientID", "StudyInstanceUID"):

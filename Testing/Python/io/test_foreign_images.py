@@ -41,14 +41,6 @@ def test_pictures_of_a_folder_come_in_natural_order_with_every_gray_level(pil, t
     assert found.names == tuple(f"frame{n}{suffix}" for n in range(11))
 
 
-def test_the_pages_of_a_tiff_are_frames(pil, tmp_path):
-    pages = [pil.fromarray(frame) for frame in FRAMES]
-    pages[0].save(tmp_path / "a.tif", save_all=True, append_images=pages[1:])
-    found = open_images([tmp_path / "a.tif"])
-    np.testing.assert_array_equal(np.array([found.stack[n] for n in (9, 0, 3)]), FRAMES[[9, 0, 3]])
-    assert found.names is None
-
-
 def test_a_picture_of_another_size_is_named(pil, tmp_path):
     folder = write_pictures(pil, tmp_path / "frames")
     pil.fromarray(np.zeros((5, 5), np.uint8)).save(folder / "frame3.png")

@@ -71,15 +71,6 @@ def test_each_question_names_its_option_and_the_answers_there_are_and_the_answer
     assert check_import(imported, "sweep").drawing is not None
 
 
-def test_images_without_times_beside_more_poses_with_times_ask_for_their_rate(images):
-    poses = images.with_name("poses.csv")
-    poses.write_text("\n".join(["time_ms,x,y,z,qx,qy,qz,qw", *(f"{10 * n},0,0,{n / 8},0,0,0,1" for n in range(60))]))
-    questions, _words = asked(images, poses, IMAGE)
-    assert [question.name for question in questions] == ["rate"]
-    found = import_files([images], poses, replace(IMAGE, rate=answer("rate", "20"))).sequence
-    np.testing.assert_allclose([next(iter(r.transforms.values())).matrix[2, 3] for r in found.records], np.arange(12) * 5 / 8, atol=1e-9)
-
-
 RIGID, TINY = "1 0 0 -32 0 0 -1 12 0 1 0 80 0 0 0 1", "0.0002 0 0 0 0 0.0002 0 0 0 0 0.0002 0 0 0 0 1"
 
 

@@ -13,11 +13,7 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.io.foreign.images import ImportedImages
-from AIFReconLib.io.foreign.importing import import_sequence
-from AIFReconLib.io.foreign.options import ImportOptions
-from AIFReconLib.io.foreign.poses.files import read_poses
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
@@ -326,17 +322,6 @@ def test_the_marker_on_the_patient_is_the_reference(tmp_path, results, twelve, c
     assert "--reference" not in capsys.readouterr().out.split("to reconstruct:")[1]
 
 
-def test_a_tool_that_is_not_used_may_be_a_marker_on_the_patient(tmp_path, results, twelve, capsys):
-    axes = ("x", "y", "z", "qx", "qy", "qz", "qw")
-    columns = ["time", *(f"{tool}_{axis}" for tool in ("Probe", "Back") for axis in axes)]
-    poses = save(tmp_path / "p.csv", [[*row, *row[1:]] for row in moving(count=40)], columns)
-    options = ["--poses", poses, "--tool", "Probe", "--transform", "ProbeToTracker", "--rate", 20]
-    imported(results, twelve, *options)
-    assert "If a tool of these is a marker on the patient, give it with --reference-tool." in capsys.readouterr().out
-    imported(results, twelve, *options, "--reference-tool", "Back")
-    assert "not used" not in capsys.readouterr().out
-
-
 def exported(tmp_path, sweep):
     """Images and poses of a sweep at 20 a second, as files."""
     np.save(tmp_path / "a.npy", np.asarray(sweep.images))
@@ -364,33 +349,3 @@ def test_an_offset_that_a_sweep_does_not_tell_is_told_by_where_tool_and_images_b
     capsys.readouterr()
     assert main(["info", str(results / "sweep.igs.mha"), "--reference", "Tracker"]) == 0
     assert "after the images begin to change. If that is one movement, give --time-offset 1." in " ".join(capsys.readouterr().out.split())
-
-
-def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
-    dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
-    from dicom_samples import write_dicom
-
-    images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=20, step=0.02))
-    imported(results, images, "--poses", poses, "--transform", "ProbeToTracker")
-    advice = "If the images began 2 s after the poses, give --time-offset 2; if 2 s before, -2"
-    assert f"both count from 0, and were taken to begin at one moment. {advice}" in capsys.readouterr().out
-
-
-def test_no_pose_is_made_up_where_the_tracker_lost_the_tool(tmp_path):
-    rows = "".join(f"{n / 20},{5 * n},0,0,0,0,0,1,{'MISSING' if n == 2 else 'OK'}\n" for n in range(6))
-    (tmp_path / "poses.csv").write_text("time,x,y,z,qx,qy,qz,qw,status\n" + rows)
-    images = ImportedImages(np.zeros((4, 4, 4), np.uint8), "images", times=np.array([0.02, 0.1, 0.12, 0.22]))
-    options = ImportOptions(transform="ProbeToTracker", sure=True)
-    sequence, _ = import_sequence(images, read_poses(tmp_path / "poses.csv"), options)
-    counts = sequence.status_counts(TransformName("Probe", "Tracker"))
-    assert (counts[TransformStatus.OK], counts[TransformStatus.MISSING]) == (2, 2)
-
-
-def test_when_tool_and_images_begin_to_move_is_told(tmp_path, results, capsys):
-    still, shown = [[f"{0.02 * n:.2f}", 10, 20, 30, 0, 0, 0, 1] for n in range(65)], np.random.default_rng(1).integers(0, 255, (40, 24, 32))
-    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=[*still, *moving(count=60, step=0.02, speed=100.0, start=1.3)])
-    np.save(tmp_path / "a.npy", shown.astype(np.uint8)[np.maximum(np.arange(40) - 6, 0)])
-    imported(results, tmp_path / "a.npy", "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
-    begun = re.search(r"begins to move at (\S+) s, and the images to change at (\S+) s. .* --time-offset (\S+);", capsys.readouterr().out)
-    assert [float(each) for each in begun.groups()] == pytest.approx([1.3, 0.35, 0.95], abs=0.03)

@@ -57,21 +57,3 @@ def test_a_recording_takes_no_more_memory_than_a_few_of_its_images_and_gives_the
         ours = reconstruct(sequence, settings, grid=GRID)
     for volume in (first, ours):
         np.testing.assert_array_equal(volume.intensity.array, theirs.intensity.array)
-
-
-def tracked_by_ten_tools(count: int) -> TrackedSequence:
-    """Tiny images, each with ten transforms."""
-    names = [TransformName(f"Tool{n}", "Tracker") for n in range(10)]
-
-    def record(number: int) -> FrameRecord:
-        pose = image_pose((0.2, 0.2), translation=(0, 0, 0.1 * number))
-        return FrameRecord(0.1 * number, transforms={name: TransformSample(pose) for name in names}, fields={"Note": str(number)})
-
-    return TrackedSequence(np.zeros((count, 2, 2), np.uint8), [record(number) for number in range(count)], {"Patient": "P1"})
-
-
-@pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
-def test_a_long_recording_is_written_frame_by_frame(tmp_path, suffix):
-    sequence = tracked_by_ten_tools(300)
-    with at_most(1e6):
-        write_sequence(sequence, tmp_path / f"long{suffix}")

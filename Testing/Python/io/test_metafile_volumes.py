@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import sys
 import zlib
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,6 @@ from volume_samples import refusal
 
 from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS
-from AIFReconLib.io.disk import itk
 from AIFReconLib.io.volume import itk_reading
 from AIFReconLib.io.volume.files import read_volume, write_volume
 from AIFReconLib.io.volume.itk_reading import read_metafile_volume
@@ -54,20 +52,17 @@ OF_TWO = {"dimension": "4", "space_directions": "none (1,0,0) (0,1,0) (0,0,1)"}
 NRRDS = [
     {},
     {"space": "right-anterior-superior"},
-    {"space": "RAS"},
     {"space": "left-anterior-superior"},
     {"space": "scanner-xyz"},
     {"space": None, "space_dimension": "3"},
     NOWHERE,
     {**NOWHERE, "spacings": "0.5 1 2", "kinds": None},
     {"space_origin": None},
-    {"kinds": "space space space"},
     {"kinds": None},
     {"endian": "big"},
     {"encoding": "gzip"},
     {"type": "unsigned char", "sizes": "4 6 4", "endian": None},
     {"type": "double", "sizes": "1 3 4"},
-    {"type": "int64", "sizes": "1 3 4"},
     {**OF_TWO, "sizes": "2 2 3 4", "kinds": "list domain domain domain"},
     {**OF_TWO, "sizes": "3 2 2 4", "kinds": "vector domain domain domain"},
     {**OF_TWO, "sizes": "2 3 4 2", "kinds": "domain domain domain list", "space_directions": "(1,0,0) (0,1,0) (0,0,1) none"},
@@ -122,7 +117,6 @@ def test_a_raw_file_with_a_header_of_its_own_is_read_as_simpleitk_reads_it(tmp_p
         (str(len(FOREIGN) + 1), FOREIGN + DATA, "the pixel data are cut short"),
         (str(len(FOREIGN) - 1), FOREIGN + DATA, "there are 1 bytes more"),
         ("9" * 18, FOREIGN + DATA, "the pixel data are cut short"),
-        ("-2", FOREIGN + DATA, "must be a whole number from 0"),
         ("1e1", FOREIGN + DATA, "must be a whole number from 0"),
         ("-1", b"", "needs 96 bytes, there are 0"),
         ("-1", DATA[:95], "needs 96 bytes, there are 95"),
@@ -148,18 +142,6 @@ def test_a_frame_that_is_not_named_is_noted(tmp_path, caplog, changes, said):
     assert [said in message and "is taken to be LPS" in message for message in caplog.messages] == [True] * (said is not None)
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="stands in for Windows")
-def test_on_windows_names_beyond_ascii_are_read(tmp_path, monkeypatch):
-    monkeypatch.setattr(itk.sys, "platform", "win32")
-    read, read_image = [], sitk.ReadImage
-    monkeypatch.setattr(sitk, "ReadImage", lambda name, **given: read.append(name) or read_image(name, **given))
-    (tmp_path / "Müller").mkdir()
-    (tmp_path / "Müller" / "ct.raw").write_bytes(DATA)
-    path = metaimage(tmp_path / "Müller" / "ct.mhd", b"", ElementDataFile="ct.raw")
-    assert read_volume(path).shape == (4, 3, 4)
-    assert read[0].isascii()
-
-
 def test_a_note_of_any_length_is_read(tmp_path):
     path = nrrd(tmp_path / "ct.nrrd")
     path.write_bytes(path.read_bytes().replace(b"\n", b"\nAIFRecon_note:=" + b'{"a": 1}' * 1000 + b"\n", 1))
@@ -176,11 +158,9 @@ NO_VOLUME = "it must be one 3D volume; got axes of the kinds"
         (nrrd, {"space": "left-posterior-superior-time"}, "space dimension is 4"),
         (nrrd, {"space_directions": "(1,0,0) (0,1,0)"}, "space directions must be a vector"),
         (nrrd, {"space_directions": "(1,0,0) (0,1,0) none"}, "space directions must be a vector"),
-        (nrrd, {"space_directions": "(1,0,0) (0,1,0) (0,0)"}, UNREADABLE),
         (nrrd, {"space_directions": "(1,0,0) (0,1,0) (0,0,nan)"}, UNREADABLE),
         (nrrd, {"space_origin": "1 2 3"}, UNREADABLE),
         (nrrd, {"space_directions": None}, "no space directions"),
-        (nrrd, {**NOWHERE, "space": "LPS", "spacings": "1 1"}, UNREADABLE),
         (nrrd, {**NOWHERE, "space": "LPS", "spacings": "1 1 0"}, UNREADABLE),
         (nrrd, {"kinds": "domain domain list"}, NO_VOLUME),
         (nrrd, {"dimension": "4", "sizes": "4 3 2 2", "kinds": "domain domain domain time"}, NO_VOLUME),

@@ -84,22 +84,6 @@ def test_a_stack_of_imagej_with_one_directory_gives_all_its_frames(tmp_path, dty
     np.testing.assert_array_equal(opened(tmp_path / "a.tif"), frames)
 
 
-def test_a_stack_of_imagej_beyond_4_gb_is_read_where_its_frames_lie(tmp_path):
-    """The file has a hole where frames of zeros would be; nothing of it is read but the last frame."""
-    shape = (21_000, 1000)
-    frame = np.zeros((1, *shape), np.uint8)
-    imagej_stack(tmp_path / "a.tif", frame, {"images": 210, "slices": 210})
-    start = (tmp_path / "a.tif").stat().st_size - frame.nbytes
-    with open(tmp_path / "a.tif", "r+b") as file:
-        file.seek(start + 209 * frame.nbytes)
-        file.write(b"\x07" * 1000)
-        file.truncate(start + 210 * frame.nbytes)
-    stack = open_images([tmp_path / "a.tif"]).stack
-    assert (tmp_path / "a.tif").stat().st_size > 2**32
-    assert stack.shape == (210, *shape)
-    assert (stack[209][0] == 7).all()
-
-
 @pytest.mark.parametrize(
     ("said", "columns", "message"),
     [

@@ -205,22 +205,6 @@ def test_images_of_several_encodings_are_read_or_named(tmp_path, encoding, pixel
         np.testing.assert_array_equal(read_sequence(path).images[0], expected)
 
 
-def squeezed(name: str):
-    """What lets a writer compress."""
-    from rosbags.rosbag1 import Writer as First
-    from rosbags.rosbag2 import CompressionFormat, CompressionMode
-
-    if name == "zstd":
-        return lambda writer: writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-    return lambda writer: writer.set_compression(First.CompressionFormat[name.upper()])
-
-
-@pytest.mark.parametrize(("storage", "compression"), [("bag", "bz2"), ("bag", "lz4"), ("mcap", "zstd")])
-def test_compressed_bags_are_read(tmp_path, storage, compression):
-    bag = bag_of_images(tmp_path, storage, change=squeezed(compression))
-    np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
-
-
 def test_compressed_images_are_read(tmp_path):
     pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     bag = Bag(tmp_path / "sweep", "bag")

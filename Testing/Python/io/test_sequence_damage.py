@@ -47,8 +47,6 @@ def test_a_file_without_a_header_or_its_end_is_refused(tmp_path, suffix, content
 MHA = [
     ({"NDims": "5"}, "NDims must be"),
     ({"DimSize": "4 3"}, "DimSize must be 3 whole numbers"),
-    ({"DimSize": "4 3 -2"}, "DimSize must be 3 whole numbers"),
-    ({"DimSize": "4 3 2.5"}, "DimSize must be 3 whole numbers"),
     ({"DimSize": "4 3 0"}, "holds no image"),
     ({"DimSize": "4 3 3"}, r"cut short: DimSize 4 3 3 needs 36 bytes, there are 24 \(2 of 3"),
     ({"DimSize": "4 3 1"}, "DimSize 4 3 1 needs 12 bytes, there are 12 bytes more"),
@@ -77,16 +75,11 @@ MHA = [
 NRRD = [
     ({"dimension": "1"}, "dimension must be"),
     ({"sizes": "4 3"}, "sizes must be 3 whole numbers"),
-    ({"sizes": "4 3 0"}, "holds no image"),
     ({"sizes": "4 3 3"}, "cut short: sizes 4 3 3 needs 36 bytes"),
     ({"type": "block"}, "type must be"),
     ({"encoding": "ascii"}, "encoding must be raw or gzip; got 'ascii'"),
-    ({"kinds": "domain domain"}, "kinds must have 3 words"),
     ({"type": "short", "sizes": "2 3 2", "endian": "middle"}, "endian must be little or big"),
-    ({"type": "short", "sizes": "2 3 2", "endian": None}, "endian must be"),
     ({"byte_skip": "12"}, "byte skip must be"),
-    ({"data_file": "LIST"}, "Lists of files are not supported"),
-    ({"data_file": "missing.raw"}, "data file missing.raw is missing"),
     ({"data_file": "../sweep.raw"}, "must lie beside it"),
 ]
 
@@ -103,7 +96,6 @@ POSE, WORDED = "Seq_Frame0001_ProbeToTrackerTransform", IDENTITY.replace("1", "o
     ("fields", "expected"),
     [
         ({POSE: "1 0 0"}, "frame 1, ProbeToTrackerTransform must be 16 numbers; got 3"),
-        ({POSE: IDENTITY + " 0"}, "must be 16 numbers; got 17"),
         ({POSE: WORDED}, "frame 1, ProbeToTrackerTransform must be 16 numbers; 'one'"),
         ({"ImageToProbeTransform": "1"}, "ImageToProbeTransform must be 16 numbers"),
         ({"Seq_Frame0001_Timestamp": "noon"}, "frame 1, Timestamp must be a number of seconds"),

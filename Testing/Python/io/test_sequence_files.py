@@ -7,7 +7,7 @@ import pytest
 import SimpleITK as sitk
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
+from sequence_samples import FIELDS, IDENTITY, assert_same_records, metaimage, nrrd, ramp
 
 from AIFReconLib.errors import OperationCanceled, SequenceFormatError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
@@ -39,15 +39,6 @@ def fields_of(path) -> dict[str, str]:
     return {key: value for key, value in read_metafile(path, SequenceFormatError).fields.items() if key.startswith("Seq_")}
 
 
-def assert_same_records(actual: list[FrameRecord], expected: list[FrameRecord]) -> None:
-    for a, b in zip(actual, expected, strict=True):
-        assert {**vars(a), "transforms": {}} == {**vars(b), "transforms": {}}
-        assert list(a.transforms) == list(b.transforms)
-        for name, sample in b.transforms.items():
-            assert a.transforms[name].status is sample.status
-            np.testing.assert_array_equal(a.transforms[name].matrix, sample.matrix)
-
-
 # Reading
 
 
@@ -76,15 +67,6 @@ def test_a_real_recording_equals_what_simpleitk_reads(real_data, name, tmp_path)
         write_sequence(sequence, tmp_path / "copy.igs.mha")
         assert_same_records(read_sequence(tmp_path / "copy.igs.mha").records, sequence.records)
         assert sequence.status_counts(TransformName("Stylus", "Tracker")) == {TransformStatus.INVALID: 97}
-
-
-@pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
-def test_records_hold_poses_statuses_and_times(tmp_path, suffix):
-    first, second = read_sequence(WRITE[suffix](tmp_path / f"sweep{suffix}", ramp())).records
-    assert first.transforms[PROBE_TO_TRACKER].matrix[:3, 3].tolist() == [10.5, -2.25, 3e-05]
-    assert second.transforms[PROBE_TO_TRACKER].status is TransformStatus.OUT_OF_VIEW
-    assert (first.timestamp, second.timestamp) == (215.102186, 215.190114)
-    assert second.image_status is TransformStatus.INVALID
 
 
 @pytest.mark.parametrize("name", ["Status", "ImageStatus"])
@@ -128,13 +110,6 @@ def test_header_transforms_fields_and_a_configuration_hold_for_the_sequence(tmp_
     assert list(sequence.transforms) == [TransformName("Image", "Probe")]
     assert sequence.fields == {"Operator": "JD"}
     assert sequence.configuration.path == tmp_path / "plus.xml"
-
-
-@pytest.mark.parametrize(("write", "name", "key"), [(metaimage, "sweep.mhd", "ElementDataFile"), (nrrd, "sweep.nhdr", "data_file")])
-def test_pixels_may_lie_in_a_file_beside_the_header(tmp_path, write, name, key):
-    (tmp_path / "pixels.raw").write_bytes(ramp().tobytes())
-    path = write(tmp_path / name, ramp(), data=b"", **{key: "pixels.raw"})
-    np.testing.assert_array_equal(np.asarray(read_sequence(path).images), ramp())
 
 
 # Writing

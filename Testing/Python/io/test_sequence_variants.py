@@ -38,25 +38,20 @@ FOUR = {"DimSize": DEEP, "NDims": "4"}
 CODES = ("MF", "MFD", "mf", "MN", "MND", "MNA", "UF", "UFA", "UFD", "UN", "UNA", "UND")
 METAIMAGES = {
     "plain": {},
-    "compressed": {"compressed": True},
     "time last": {"Kinds": "domain domain time"},
     "no kinds": {"Kinds": None},
     "four dimensions": {"Kinds": "domain domain domain list", **FOUR},
-    "four dimensions, time last": {"Kinds": "domain domain domain time", **FOUR},
     "four dimensions, no kinds": {"Kinds": None, **FOUR},
     "one picture": {**ONE, "NDims": "2", "DimSize": f"{COLUMNS} {ROWS}", "Kinds": "domain domain"},
-    "one picture, no kinds": {**ONE, "NDims": "2", "DimSize": f"{COLUMNS} {ROWS}", "Kinds": None},
     "one picture as a slice": {**ONE, "Kinds": "domain domain domain"},
     "no type, no orientation": {"UltrasoundImageType": None, "UltrasoundImageOrientation": None},
     "type as Slicer spells it": {"UltrasoundImageType": "BRIGHTNESSBRIGHTNESS"},
     **{code: {"pixels": pictures(flips=code[:2].upper()), "UltrasoundImageOrientation": code} for code in CODES},
     **{kind: {"pixels": pictures(kind)} for kind in ("<i2", ">i2", "<f4", ">f4", "<f8")},
-    "unsigned short, big-endian, compressed": {"pixels": pictures(">u2"), "compressed": True},
     "color": {"pixels": pictures(color=True), "UltrasoundImageType": "RGB_COLOR"},
     "no timestamps": {"fields": poses(times=False)},
     "custom fields": {"fields": {"CustomFieldNames": "Operator Note", "Operator": "J. D. = me", **poses(), **BLANK_TIMES}},
     "frame numbers without zeros": {"fields": poses("Seq_Frame{n}_")},
-    "frame numbers of eight digits": {"fields": poses("Seq_Frame{n:08d}_")},
     "lower-case first letter": {"fields": poses(probe="probeToTracker")},
     "header transforms": {"fields": header_transforms()},
 }
@@ -67,8 +62,7 @@ NRRDS = {
     "four dimensions": {"kinds": "domain domain domain list", "sizes": DEEP, "dimension": "4"},
     "color in four dimensions": {**COLOR, "kinds": "RGB-color domain domain domain list", "sizes": f"3 {DEEP}", "dimension": "5"},
     "orientation": {"pixels": pictures(flips="UN"), "fields": {"ultrasound image orientation": "UN", **poses()}},
-    **{name: METAIMAGES[name] for name in ("plain", "compressed", ">i2", "no timestamps", "lower-case first letter", "header transforms")},
-    "float, compressed": {"pixels": pictures("<f4"), "compressed": True},
+    **{name: METAIMAGES[name] for name in ("plain", ">i2", "no timestamps", "lower-case first letter", "header transforms")},
     "color": COLOR,
 }
 

@@ -89,16 +89,6 @@ def of_plane(placed) -> float:
     return float(np.median(placed.probability[k, j, i]))
 
 
-def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
-    session, bone, watch, queue = scan(lambda imaging: Knowing())
-    for number in range(6):
-        queue.put(shown(number))
-        wait_for(lambda number=number: watch.frames == number or number == 0)
-    wait_for(lambda: session.statistics.inserted >= 5)
-    wait_for(lambda: on_plane(bone) > 0.5)
-    assert session.finish().frames_inserted == 6
-
-
 def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, tmp_path):
     session, bone, watch, queue = scan(lambda imaging: Knowing(), grid=None, record=tmp_path / "scan-bone.mha")
     for number in range(5):

@@ -7,7 +7,6 @@ import socket
 import struct
 import subprocess
 import sys
-import threading
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -220,14 +219,6 @@ def test_the_recording_begins_again_once_every_client_has_left(serve, sequence, 
     assert len(second.images()) == 6
 
 
-def test_a_client_that_joins_later_gets_the_rest(serve, sequence):
-    server = serve(sequence, loop=True)
-    first = server.connect().until(lambda inbox: len(inbox.images()) >= 3)
-    second = server.connect().until(lambda inbox: inbox.images())
-    first.until(lambda inbox: inbox.images()[-1].timestamp >= second.images()[0].timestamp)
-    assert second.images()[0].timestamp in {message.timestamp for message in first.images()}
-
-
 # ---- clients that misbehave
 
 
@@ -244,15 +235,6 @@ def test_a_slow_client_misses_whole_frames_and_stalls_no_other(serve, monkeypatc
     assert inbox.client.statistics.damaged == 0
 
 
-def test_a_client_that_leaves_at_once_disturbs_nobody(serve, sequence):
-    server = serve(sequence, loop=True)
-    inbox = server.connect()
-    for _ in range(20):
-        socket.create_connection(("127.0.0.1", server.port)).close()
-    inbox.until(lambda inbox: len(inbox.images()) >= 10)
-    wait_for(lambda: server.clients == 1, "the others' leave")
-
-
 # ---- starting and stopping
 
 
@@ -261,19 +243,6 @@ def test_a_port_in_use_is_refused_in_plain_words_by_the_command_too(serve, seque
     with pytest.raises(LiveConnectionError, match=f"Port {port} is in use by another program, perhaps a PlusServer"):
         ReplayServer(sequence, port).start()
     assert f"Port {port} is in use" in refused(["replay", patient.sweep, "--port", port], capsys, results)
-
-
-def test_a_server_that_has_stopped_left_no_thread_and_its_port_is_free(serve, sequence):
-    before = threading.active_count()
-    server = serve(sequence, loop=True)
-    inbox = server.connect().until(lambda inbox: inbox.images())
-    server.stop()
-    again = serve(sequence, port=server.port)
-    inbox.until(lambda inbox: len(inbox.events("connected")) == 2)
-    assert again.port == server.port
-    inbox.client.stop()
-    again.stop()
-    wait_for(lambda: threading.active_count() == before, "the end of all threads")
 
 
 def test_an_address_of_another_machine_is_refused(sequence):

@@ -29,11 +29,9 @@ from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import Synchronizer, SynchronizerSettings
-from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.live.session.session import FRAMES_LOOKED_AT, LiveSession
 from AIFReconLib.live.session.statistics import tracking_words
-from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.framing import Framer
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
@@ -222,21 +220,6 @@ def test_after_a_reset_the_volume_grows_anew_and_is_weighted_by_the_ct_that_was_
     assert expected.any()
 
 
-def test_snapshots_while_frames_come_lose_none(session_of, configuration):
-    sequence, settings = tracked_sequence(count=60), ReconstructionSettings(hole_limit=3.0)
-    # However long a snapshot takes, an image waits for the transforms that are put after it
-    session = session_of(settings=settings, synchronizer=SynchronizerSettings(patience=LONG))
-    session.start()
-    for number, message in enumerate(streamed(sequence)):
-        session.queue.put(message)
-        if number % 15 == 0:
-            session.snapshot()
-    expected = reconstruct(replace(sequence, configuration=configuration), settings, grid=GRID)
-    result = session.finish()
-    assert result.frames_inserted == expected.frames_inserted
-    np.testing.assert_array_equal(result.intensity.array, expected.intensity.array)
-
-
 # ---- the box, and what images show
 
 
@@ -323,29 +306,6 @@ def test_every_frame_is_inserted_or_skipped_with_its_reason(messages, options, s
     assert (statistics.skipped, statistics.waiting) == (skipped, 0)
     assert statistics.frames_received == statistics.inserted + statistics.frames_skipped
     assert isinstance(session.error, BeamGeometryError) == ("settings" in options)
-
-
-def test_paused_frames_are_counted_and_recorded_and_not_inserted(session_of, tmp_path):
-    session = session_of(record=tmp_path / "scan.mha")
-    session.start()
-    session.pause()
-    messages = list(streamed(tracked_sequence()))
-    put_all(session.queue, messages[:9])
-    wait_for(lambda: session.statistics.frames_received == 3)
-    session.resume()
-    put_all(session.queue, messages[9:])
-    session.stop()
-    assert (session.statistics.skipped, session.statistics.inserted) == ({"paused": 3}, 3)
-    assert len(read_sequence(tmp_path / "scan.mha")) == 6
-
-
-def test_a_session_ends_after_the_frames_that_were_asked_for_and_images_of_other_devices_are_counted(session_of):
-    chosen = SynchronizerSettings(image_device="Image")
-    session = session_of([image(0.5, "Second_Reference"), *streamed(tracked_sequence())], synchronizer=chosen, frame_limit=4)
-    session.start()
-    assert session.finished.wait(LONG)
-    session.stop()
-    assert (session.statistics.frames_received, session.statistics.other_images) == (4, 1)
 
 
 def test_where_frames_come_too_fast_some_are_left_out_all_along_and_counted(session_of, monkeypatch):
@@ -443,22 +403,6 @@ def test_trouble_of_the_stream_is_told(session_of):
 # ---- when something fails
 
 
-def test_an_error_while_inserting_is_kept_and_volume_and_recording_with_it(session_of, monkeypatch, tmp_path):
-    real = Reconstructor.insert
-
-    def insert(self, frame):
-        if frame.number == 3:
-            raise MemoryError("no more")
-        real(self, frame)
-
-    monkeypatch.setattr(Reconstructor, "insert", insert)
-    session = session_of(streamed(tracked_sequence()), record=tmp_path / "scan.mha")
-    assert run(session).frames_inserted == 3
-    assert isinstance(session.error, MemoryError)
-    assert session.statistics.skipped == {"not inserted after an error": 3}
-    assert len(read_sequence(tmp_path / "scan.mha")) == 6
-
-
 def test_the_reconstruction_goes_on_when_the_recording_fails(session_of, monkeypatch, tmp_path):
     def write(file, data):
         raise OSError(28, "No space left on device")
@@ -503,38 +447,6 @@ def test_a_recipe_that_a_stream_cannot_obey_is_refused_at_once(settings, options
 
 
 # ---- over a real socket
-
-
-@pytest.mark.parametrize("header_version", [1, 2])
-def test_over_a_socket_the_recording_reconstructs_to_the_very_volume_of_the_session(header_version, configuration, tmp_path):
-    statuses = dict.fromkeys((5, 6, 7), OUT)
-    sequence = replace(tracked_sequence(count=16, statuses=statuses), configuration=configuration)
-    with ReplayServer(sequence, port=0, rate=100.0, header_version=header_version) as server:
-        client = OpenIGTLinkClient(server.host, server.port)
-        options = {"configuration": configuration, "record": tmp_path / "scan.mha", "frame_limit": 15, "longest_delay": None}
-        with LiveSession(client, grid=GRID, **options) as session:
-            assert session.finished.wait(LONG), session.statistics
-            live = session.finish()
-    offline = reconstruct(
-        read_sequence(tmp_path / "scan.mha", config=configuration), ReconstructionSettings(image_to_reference="ImageToReference"), grid=GRID
-    )
-    assert live.frames_inserted == 12
-    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
-
-
-def test_a_server_that_goes_away_leaves_the_volume_and_is_reconstructed_from_again_when_it_is_back(configuration):
-    sequence = replace(tracked_sequence(count=50), configuration=configuration)
-    server = ReplayServer(sequence, port=0, rate=50.0, loop=True)
-    server.start()
-    client = OpenIGTLinkClient(server.host, server.port, retry_delays=(0.05,))
-    with LiveSession(client, grid=GRID, configuration=configuration) as session:
-        wait_for(lambda: session.statistics.inserted > 3)
-        server.stop()
-        wait_for(lambda: session.statistics.connection != "connected")
-        assert session.snapshot().frames_inserted > 3
-        before = session.statistics.inserted
-        with ReplayServer(sequence, port=server.port, rate=50.0, loop=True):
-            wait_for(lambda: session.statistics.inserted > before + 3)
 
 
 @pytest.mark.parametrize(("letter", "images", "usable"), [("A", 36, 36), ("B", 108, 108), ("C", 81, 81), ("J", 54, 42)])

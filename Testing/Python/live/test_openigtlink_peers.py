@@ -84,15 +84,6 @@ def test_images_of_the_cpp_library_arrive_pixel_for_pixel_and_their_center_lies_
     assert inbox.client.statistics.damaged == 0
 
 
-def test_transforms_of_the_cpp_library_arrive_and_its_end_is_noticed(served):
-    inbox = served("Tracker/TrackerServer", "50").until(lambda inbox: len(inbox.transforms("Tracker")) >= 3)
-    matrices = np.array([message.matrix for message in inbox.transforms()[:3]])
-    # The example turns about an axis and moves on a circle of 50 mm
-    assert np.allclose(np.hypot(matrices[:, 0, 3], matrices[:, 1, 3]), 50.0, atol=1e-3)
-    inbox.server.kill()
-    inbox.until_event("disconnected", 1 + len(inbox.events("disconnected")))
-
-
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_the_cpp_library_receives_a_replay_checksums_verified(program, tmp_path, dtype):
     tracked = tracked_sequence(images=np.full((6, 30, 40), 7, dtype))

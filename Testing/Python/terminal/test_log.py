@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-import logging
 import subprocess
 import sys
-import threading
 
 import pytest
 from files import write_patient
-from waiting import until
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.effective_settings import ReconstructorParts
-from AIFReconLib.live.session.insertion import Inserter
-from AIFReconLib.live.wire.client import OpenIGTLinkClient
-from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.terminal.log import FIRST_WORDS
 
 
@@ -88,26 +81,3 @@ def test_a_program_that_asks_for_nothing_is_shown_nothing():
 
 
 # ---- what is noted
-
-
-def test_a_server_that_is_not_there_is_noted_for_every_attempt(caplog):
-    client = OpenIGTLinkClient("127.0.0.1", 9, retry_delays=(0.01,))
-    with caplog.at_level(logging.INFO, "AIFReconLib"), client:
-        assert until(lambda: len(caplog.records) >= 2)
-    assert {record.name for record in caplog.records} == {"AIFReconLib.live.wire.client"}
-    assert all(record.levelno == logging.WARNING and "Connecting again" in record.getMessage() for record in caplog.records[:2])
-
-
-def test_the_error_of_a_live_thread_is_noted_with_its_traceback(caplog):
-    inserter = Inserter(ReconstructionSettings(method="average"), None, 1.0, lambda result, imaging: result, ReconstructorParts())
-
-    def fail():
-        raise ZeroDivisionError("as an engine might")
-
-    inserter.start()
-    with caplog.at_level(logging.ERROR, "AIFReconLib"):
-        inserter._submit(fail)
-        inserter.close()
-    [record] = caplog.records
-    assert record.exc_info[0] is ZeroDivisionError
-    assert record.threadName != threading.main_thread().name

@@ -58,12 +58,6 @@ def test_the_file_may_follow_the_spacing(spacing, option, patient, results):
     assert read_volume(output).grid.spacing == pytest.approx((1, 1, 1))
 
 
-def test_options_may_stand_between_files(patient, capsys):
-    words = ["info", str(patient.sweep), "--config", str(patient.config), str(patient.sweep)]
-    assert main(words) == 0
-    assert capsys.readouterr().out.count("To do so:") == 2
-
-
 def test_quiet_still_says_what_is_wrong(patient, results, capsys):
     assert main([*patient.reconstruct, "-q", "--reference", "Nowhere", "-o", str(results / "v.nrrd")]) == 2
     said = capsys.readouterr()

@@ -1,4 +1,4 @@
-"""The faults of `make faults`, one or more of each: what they find, and that they would find it."""
+"""The faults of `make faults`, a few of each: what they find, and that they would find it."""
 
 from __future__ import annotations
 
@@ -11,45 +11,42 @@ import pytest
 TESTING = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the faults are made with what Linux offers")
 
+PLANTED = {
+    "None": ("scan.mhd", "| nothing |"),
+    "faults.write_sequence = in_place": ("writing scan.mhd", "LOST writing scan.mhd: "),
+    "workspace.remove_left_behind = lambda parent: None": ("writing scan.mha", "left: {"),
+    "faults.Recorder.append = lambda self, frame: None": ("recording scan.mha", "frames listed, 0 readable"),
+}
+"""Mistakes of the library, a case that meets them, and what is said."""
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["kill -9: live recording l.mhd", "kill -9: write plain.mhd"],
-        ["kill -9: worker"],
-    ],
-)
-def test_nothing_is_lost_by_a_few_faults_of_each_kind(words):
-    """In a process of its own: it forks, and a process with threads must not."""
-    command = [sys.executable, "-m", "faults", "--seconds", "8", *words]
-    done = subprocess.run(command, cwd=TESTING, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr[-2000:]
-    assert "| nothing |" in done.stdout
-
-
-PLANTED = """
-import os, signal, sys
-sys.path[:0] = [os.path.dirname(os.getcwd()), os.path.join(os.getcwd(), "Python")]
+PROGRAM = """
+import sys, tempfile, time
 from pathlib import Path
+import faults
 from AIFReconLib.io.disk import workspace
-from faults import kills, ledger, samples
+from AIFReconLib.io.sequence.writer import write_sequence
 
-def careless(folder, version):
-    # In place, and with a pause: no write of the library does that
-    with open(folder / "r.json", "wb", 0) as file:
-        for _ in range(200):
-            file.write(bytes([version]) * 5000)
+def in_place(sequence, path, compress):
+    # Piece by piece under its name: no write of the library does that
+    with tempfile.TemporaryDirectory() as folder:
+        write_sequence(sequence, Path(folder) / path.name, compress=compress)
+        for made in Path(folder).iterdir():
+            with open(path.parent / made.name, "wb", 0) as file:
+                for byte in range(0, made.stat().st_size, 2000):
+                    file.write(made.read_bytes()[byte : byte + 2000])
+                    time.sleep(0.01)
 
-file = samples.FileKind("r.json", careless, samples._bytes)
-workspace.remove_left_behind = lambda parent: None
-book = ledger.Ledger()
-planted = {"left": samples.WRITTEN[-1], "careless": file}[sys.argv[1]]
-book.run([ledger.Fault("kill -9", "planted", lambda folder, chance: kills.kill_write(planted, folder, chance))], 15)
-print(book.lost, book.markdown())
+{planted}
+sys.argv = ["faults", "--seconds", "15", "{case}"]
+sys.exit(faults.main())
 """
 
 
-@pytest.mark.parametrize(("planted", "says"), [("left", "next write: new, left"), ("careless", "mixed, exit -9")])
-def test_what_leaves_its_folders_or_writes_in_place_is_found_out(planted, says):
-    done = subprocess.run([sys.executable, "-c", PLANTED, planted], cwd=TESTING, capture_output=True, text=True, check=False)
+@pytest.mark.parametrize("planted", PLANTED)
+def test_nothing_is_lost_by_a_few_faults_of_each_kind_and_mistakes_are_found_out(planted):
+    """In a process of its own: it forks, and a process with threads must not."""
+    case, says = PLANTED[planted]
+    program = [sys.executable, "-c", PROGRAM.format(planted=planted, case=case)]
+    done = subprocess.run(program, cwd=TESTING, capture_output=True, text=True, check=False)
     assert says in done.stdout, done.stdout + done.stderr[-2000:]
+    assert done.returncode == (planted != "None")

@@ -10,11 +10,6 @@ from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.geometry.volume import Volume
 
 
-def test_confidence_falls_evenly_from_the_face_to_the_end_where_nothing_stops_sound():
-    expected = np.linspace(1.0, 0.0, 12)[:, None].repeat(7, axis=1)
-    np.testing.assert_allclose(random_walk_confidence(np.zeros((12, 7))), expected, atol=1e-9)
-
-
 def test_confidence_is_low_behind_a_bright_line_and_unchanged_beside_it():
     image = np.full((40, 60), 60.0)
     image[15:17, 10:30], image[17:, 10:30] = 255.0, 5.0
@@ -33,21 +28,6 @@ def view(gray, measured=None):
     mask = np.ones(gray.shape, np.uint8) if measured is None else measured.astype(np.uint8)
     intensity = Volume(np.where(mask > 0, gray, 0).astype(np.uint8), np.eye(4))
     return Reconstruction(intensity, None, None, Volume(mask, np.eye(4)), None, "average", 1, {})
-
-
-def speckle(seed):
-    return np.random.default_rng(seed).integers(20, 90, (14, 15, 16))
-
-
-def test_views_that_agree_are_joined_to_what_each_of_them_shows():
-    np.testing.assert_array_equal(largest_contrast([view(speckle(1))] * 3).intensity.array, speckle(1))
-
-
-def test_what_one_view_alone_has_measured_is_joined_unchanged():
-    measured = np.arange(16) < 6 + 0 * speckle(2)
-    joined = largest_contrast([view(speckle(1)), view(speckle(2), measured)])
-    np.testing.assert_array_equal(joined.intensity.array[~measured], speckle(1)[~measured])
-    assert not largest_contrast([view(speckle(2), measured)]).mask.array[~measured].any()
 
 
 def test_a_line_that_one_of_two_views_shows_stays_brighter_than_in_their_mean():

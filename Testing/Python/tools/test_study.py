@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
-from dataclasses import asdict
 from datetime import date
 from pathlib import Path
 from types import SimpleNamespace
@@ -23,9 +21,7 @@ from study.paths_cases import FIXED, LISTS, NONE, PLANNED
 from study.paths_cases import RIGHT as RIGHT_CT
 from study.paths_cases import Row as PathRow
 from study.paths_page import paths_page
-from study.patients import read_rows, run_tasks
 
-from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation.surface import distance_from_labels
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
@@ -78,28 +74,6 @@ def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
     assert start(["methods", "--output", str(tmp_path / "out"), "--method", "not_there:mine"]) == 2
     assert "there is no module not_there here" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
-
-
-def test_a_finished_study_is_read_and_not_run_again(tmp_path):
-    rows = [row(0), row(0, "weighted", 2.0)]
-    (tmp_path / "patient-000.json").write_text(json.dumps([asdict(r) for r in rows]))
-    assert run_tasks(patient_rows, {"patient-000": 0}, Row, tmp_path) == rows
-
-
-def test_a_spoiled_result_is_named(tmp_path):
-    path = tmp_path / "patient-000.json"
-    path.write_text("[{]")
-    with pytest.raises(FileFormatError, match=r"patient-000\.json"):
-        read_rows(path, Row)
-
-
-def rows_in_another_process(seed):
-    return [row(seed, value=float(seed))]
-
-
-def test_the_rows_of_every_patient_are_made_in_processes_of_their_own(tmp_path):
-    made = run_tasks(rows_in_another_process, {"a": 3, "b": 5}, Row, tmp_path)
-    assert [(each.seed, each.metrics[NAMES[0]]) for each in made] == [(3, 3.0), (5, 5.0)]
 
 
 @pytest.mark.parametrize("name", STUDIES)
