@@ -9,8 +9,6 @@ A row of pixels is a straight line through the volume. What lies within the box 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -105,30 +103,27 @@ def clip(matrices: Matrix, pieces: Integers, box: Floats, axis: int, spans: Inte
             spans[frame, piece, 0], spans[frame, piece, 1] = low, high
 
 
-@called
-def rows_within(frames: Frames, voxels: NDArray[np.uint32]) -> Iterator[tuple[int, int, Whole, Whole, Whole]]:
-    """The rows of pixels that fall into the box, one after the other: frame, row, first column, how many, and the first's number.
+@inlined
+def row_within(frames: Frames, number: int, voxels: NDArray[np.uint32]) -> tuple[int, int, Whole, Whole, Whole]:
+    """A row of pixels of all that may fall into the box: frame, row, first column, how many, and the first's number.
 
-    The flat numbers of their voxels within the part are written to `voxels`.
+    The flat numbers of their voxels within the part are written to `voxels`. No generator: one that numba compiles never lets go of
+    the arrays that it was given.
     """
-    images, matrices, pieces, spans, part = frames
-    along, lines, plane = part[0], part[1], part[2]
-    for frame in range(images.shape[0]):
-        matrix = matrices[frame]
-        step_i, step_j, step_k = matrix[0, 0], matrix[1, 0], matrix[2, 0]
-        for piece in range(pieces.shape[0]):
-            low, high = spans[frame, piece]
-            row = pieces[piece, ROW]
-            base_i = matrix[0, 1] * row + (matrix[0, 3] + 0.5)
-            base_j = matrix[1, 1] * row + (matrix[1, 3] + 0.5)
-            base_k = matrix[2, 1] * row + (matrix[2, 3] + 0.5)
-            for n in range(high - low):
-                column = np.float64(low + n)
-                i, j, k = np.floor(base_i + step_i * column), np.floor(base_j + step_j * column), np.floor(base_k + step_k * column)
-                # Numbers stay below 2^31: exact in float64
-                voxels[n] = np.uint32(np.int32(((k - plane) * lines + j) * along + i))
-            if low < high:
-                yield frame, row, low, high - low, pieces[piece, OFFSET] + low - pieces[piece, START]
+    _, matrices, pieces, spans, part = frames
+    frame, piece = divmod(number, pieces.shape[0])
+    low, high = spans[frame, piece]
+    matrix, row = matrices[frame], pieces[piece, ROW]
+    step_i, step_j, step_k = matrix[0, 0], matrix[1, 0], matrix[2, 0]
+    base_i = matrix[0, 1] * row + (matrix[0, 3] + 0.5)
+    base_j = matrix[1, 1] * row + (matrix[1, 3] + 0.5)
+    base_k = matrix[2, 1] * row + (matrix[2, 3] + 0.5)
+    for n in range(high - low):
+        column = np.float64(low + n)
+        i, j, k = np.floor(base_i + step_i * column), np.floor(base_j + step_j * column), np.floor(base_k + step_k * column)
+        # Numbers stay below 2^31: exact in float64
+        voxels[n] = np.uint32(np.int32(((k - part[2]) * part[1] + j) * part[0] + i))
+    return frame, row, low, high - low, pieces[piece, OFFSET] + low - pieces[piece, START]
 
 
 @inlined
@@ -148,7 +143,8 @@ def insert_plain(rule: int, frames: Frames, state: Voxels) -> None:
     """Average, latest and maximum."""
     images, value, hits = frames[0], state[0], state[1]
     voxels = np.empty(images.shape[2], np.uint32)
-    for frame, row, low, count, _ in rows_within(frames, voxels):
+    for number in range(frames[3].shape[0] * frames[3].shape[1]):
+        frame, row, low, count, _ = row_within(frames, number, voxels)
         for n in range(count):
             voxel = voxels[n]
             pixel = value.dtype.type(images[frame, row, low + n])
@@ -165,7 +161,8 @@ def insert_plain(rule: int, frames: Frames, state: Voxels) -> None:
 def insert_cosine(frames: Frames, best: Singles, bone: Bone) -> None:
     """The best cosine of incidence of every voxel, `best` (voxels,) float32."""
     voxels = np.empty(frames[0].shape[2], np.uint32)
-    for frame, _, _, count, first in rows_within(frames, voxels):
+    for number in range(frames[3].shape[0] * frames[3].shape[1]):
+        frame, _, _, count, first = row_within(frames, number, voxels)
         for n in range(count):
             cosine = cosine_at(bone, frame, voxels[n], first + n)
             best[voxels[n]] = cosine if cosine > best[voxels[n]] else best[voxels[n]]
@@ -178,7 +175,8 @@ def insert_aif(frames: Frames, state: Voxels, bone: Bone, factors: AifFactors) -
     value, hits, weight = state
     alpha, beta, maximum, compensated = factors
     voxels = np.empty(images.shape[2], np.uint32)
-    for frame, row, low, count, first in rows_within(frames, voxels):
+    for number in range(frames[3].shape[0] * frames[3].shape[1]):
+        frame, row, low, count, first = row_within(frames, number, voxels)
         for n in range(count):
             voxel, pixel = voxels[n], np.float32(images[frame, row, low + n])
             hits[voxel] += ONCE
@@ -204,7 +202,8 @@ def insert_weighted(frames: Frames, state: Voxels, evident: Singles, factors: We
     floor, gain, maximum = factors
     counts = hits.size > 0
     voxels = np.empty(images.shape[2], np.uint32)
-    for frame, row, low, count, first in rows_within(frames, voxels):
+    for number in range(frames[3].shape[0] * frames[3].shape[1]):
+        frame, row, low, count, first = row_within(frames, number, voxels)
         for n in range(count):
             voxel, pixel, gate = voxels[n], np.float32(images[frame, row, low + n]), evident[frame, 1, first + n]
             w = (floor + gate) * evident[frame, 0, first + n]

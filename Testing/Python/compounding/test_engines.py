@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -60,6 +61,23 @@ def assert_same(ours, theirs):
     for one, other in zip(ours[0], theirs[0], strict=True):
         np.testing.assert_array_equal(one, other)
     assert ours[1] == theirs[1]
+
+
+@pytest.mark.parametrize(("method", "linear"), WAYS)
+def test_frames_that_have_entered_are_let_go(method, linear):
+    """A scan of an hour is 100,000 frames: what each leaves behind adds up."""
+    frames = oblique_frames(count=60, shape=(60, 80))
+    wanted = ReconstructionSettings(method=method, interpolation="linear" if linear else "nearest", best_cosine=not linear)
+    reconstructor = Reconstructor(turned_grid(), wanted, None if linear else sphere_bone(), probe=PROBES[0])
+    for each in frames:
+        reconstructor.insert([each])
+    tracemalloc.start()
+    try:
+        for each in frames:
+            reconstructor.insert([each])
+        assert tracemalloc.get_traced_memory()[0] < 2000 * len(frames)
+    finally:
+        tracemalloc.stop()
 
 
 @needs_numba
