@@ -15,6 +15,7 @@ from volume_samples import refusal
 
 from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS
+from AIFReconLib.io.disk import itk
 from AIFReconLib.io.volume import itk_reading
 from AIFReconLib.io.volume.files import read_volume, write_volume
 from AIFReconLib.io.volume.itk_reading import read_metafile_volume
@@ -184,3 +185,14 @@ def test_voxels_that_do_not_fit_into_memory_are_refused_before_they_are_read(tmp
     for name in ("ct.nrrd", "ct.nii.gz"):
         with pytest.raises(InsufficientMemoryError, match=rf"{name}: its voxels need"):
             read_volume(tmp_path / name)
+
+
+def test_on_windows_names_beyond_ascii_are_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(itk.sys, "platform", "win32")
+    read, read_image = [], sitk.ReadImage
+    monkeypatch.setattr(sitk, "ReadImage", lambda name, **given: read.append(name) or read_image(name, **given))
+    (tmp_path / "Müller").mkdir()
+    (tmp_path / "Müller" / "ct.raw").write_bytes(DATA)
+    path = metaimage(tmp_path / "Müller" / "ct.mhd", b"", ElementDataFile="ct.raw")
+    assert read_volume(path).shape == (4, 3, 4)
+    assert read[0].isascii()

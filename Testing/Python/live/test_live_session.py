@@ -29,9 +29,11 @@ from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import Synchronizer, SynchronizerSettings
+from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.live.session.session import FRAMES_LOOKED_AT, LiveSession
 from AIFReconLib.live.session.statistics import tracking_words
+from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.framing import Framer
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
@@ -453,3 +455,18 @@ def test_a_recipe_that_a_stream_cannot_obey_is_refused_at_once(settings, options
 def test_of_a_real_stream_exactly_the_frames_with_a_tracked_tool_are_inserted(letter, images, usable, data_dir):
     session = LiveSession(captured(recorded(data_dir, letter)), NO_CLIP, grid=EVERYWHERE, longest_delay=None)
     assert (run(session).frames_inserted, session.statistics.frames_received) == (usable, images)
+
+
+def test_a_server_that_goes_away_leaves_the_volume_and_is_reconstructed_from_again_when_it_is_back(configuration):
+    sequence = replace(tracked_sequence(count=50), configuration=configuration)
+    server = ReplayServer(sequence, port=0, rate=50.0, loop=True)
+    server.start()
+    client = OpenIGTLinkClient(server.host, server.port, retry_delays=(0.05,))
+    with LiveSession(client, grid=GRID, configuration=configuration) as session:
+        wait_for(lambda: session.statistics.inserted > 3)
+        server.stop()
+        wait_for(lambda: session.statistics.connection != "connected")
+        assert session.snapshot().frames_inserted > 3
+        before = session.statistics.inserted
+        with ReplayServer(sequence, port=server.port, rate=50.0, loop=True):
+            wait_for(lambda: session.statistics.inserted > before + 3)
