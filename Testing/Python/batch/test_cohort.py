@@ -241,7 +241,7 @@ def test_a_process_that_takes_more_than_its_share_is_ended():
 @pytest.fixture(scope="module")
 def address():
     """Of a scheduler of Dask with two workers."""
-    with distributed.LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, memory_limit="3GB") as cluster:
+    with distributed.LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address=":0", memory_limit="3GB") as cluster:
         yield cluster.scheduler_address
 
 

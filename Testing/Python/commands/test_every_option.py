@@ -27,7 +27,7 @@ OPTIONS = {
         *("--seed 3", "--path freehand", "--gain 6", "--depth-gain 6", "--gray-curve 1.5"),
         *("--breathing 2", "--shifting 2", "--step 3"),
     ),
-    f"reconstruct {SWEEP} --spacing 3 --output {{out}}/v.dcm": ("--dicom-study {folder}/study.dcm",),
+    f"reconstruct {SWEEP} --spacing 3 --output {{out}}/v.dcm": ("--dicom-study {folder}/study.dcm", "--score {out}/s.nrrd"),
     "bone-map {folder}/L3.stl --bone-space ras --quiet --output {out}/p.nrrd": ("--bone-space lps", "--bone-unit cm"),
     f"register {SWEEP} {BONE} --output {{out}}/t.tfm": ("--per-segment",),
     f"register {SWEEP} --bone-labels {{stranger}} --output {{out}}/t.tfm": ("--accept",),
