@@ -18,14 +18,13 @@ export OPENBLAS_NUM_THREADS ?= 1
 SPREAD := --numprocesses=$$(($$(getconf _NPROCESSORS_ONLN) + 1)) --dist=worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test coverage slicer-test screenshots figures docs lint format wheel-test bench study real-bone soak fuzz faults clean
+.PHONY: help setup demo test coverage slicer-test figures docs lint format wheel-test bench study real-bone soak fuzz faults clean
 
 help:
 	@echo "make demo         reconstruct a simulated lumbar scan and draw it, into $(DEMO_OUTPUT)/"
 	@echo "make test         lint, format check, types and all tests"
 	@echo "make coverage     all tests, and which lines of the library they run"
 	@echo "make slicer-test  only the self tests of the Slicer module, on real MRML nodes and Qt, without Slicer"
-	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
 	@echo "make figures      the pictures of docs/parameters.md and the bone in 3D, into docs/images/ (minutes)"
 	@echo "make docs         the site with its gallery and API reference, into build/site/ (minutes)"
 	@echo "make wheel-test   build wheel and source, check them, and run the README's Python lines in an empty environment"
@@ -76,9 +75,6 @@ coverage: setup
 
 slicer-test: setup
 	@QT_QPA_PLATFORM=offscreen $(BIN)/python Testing/host/run_self_tests.py
-
-screenshots: setup
-	@QT_QPA_PLATFORM=offscreen $(BIN)/python Testing/host/screenshots.py
 
 figures: setup
 	@$(BIN)/python Testing/figures/parameters.py

@@ -50,7 +50,7 @@ def extension_of(cmake: str) -> dict[str, str]:
 def addresses(homepage: str) -> dict[str, str]:
     """What follows from the address of the repository."""
     raw = homepage.replace("https://github.com/", "https://raw.githubusercontent.com/") + f"/{BRANCH}/"
-    pictures = " ".join(f"{raw}Resources/Screenshots/application/{name}.png" for name in SCREENSHOTS)
+    pictures = " ".join(f"{raw}Resources/Screenshots/{name}.png" for name in SCREENSHOTS)
     return {"EXTENSION_HOMEPAGE": homepage, "EXTENSION_ICONURL": raw + ICON, "EXTENSION_SCREENSHOTURLS": pictures}
 
 
@@ -86,7 +86,7 @@ def rules(extension: dict[str, str], repository: Path = REPOSITORY) -> Iterator[
     )
     width, height = struct.unpack(">II", (repository / ICON).read_bytes()[16:24])
     yield Rule("the icon has 128 x 128 pixels", (width, height) == (128, 128), f"{width} x {height}")
-    pictures = [repository / "Resources" / "Screenshots" / "application" / f"{shot}.png" for shot in SCREENSHOTS]
+    pictures = [repository / "Resources" / "Screenshots" / f"{shot}.png" for shot in SCREENSHOTS]
     yield Rule("there is a screenshot", all(path.is_file() for path in pictures), f"{len(pictures)}")
     found = [one for one in LICENSES if (repository / one).is_file()]
     yield Rule("the license lies at the top", bool(found), ", ".join(found))

@@ -25,7 +25,7 @@ def published(tmp_path_factory):
     for name in [*extension_index.EDITS, "LICENSE", extension_index.ICON]:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(REPOSITORY / name, folder / name)
-    shutil.copytree(REPOSITORY / "Resources" / "Screenshots" / "application", folder / "Resources" / "Screenshots" / "application")
+    shutil.copytree(REPOSITORY / "Resources" / "Screenshots", folder / "Resources" / "Screenshots")
     try:
         subprocess.run(["git", "init", "--quiet"], cwd=folder, check=True)
     except OSError:

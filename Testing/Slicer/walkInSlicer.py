@@ -1,12 +1,12 @@
-"""Measures in a Slicer application how smooth its windows stay and how fast things come, while the module is used as a user does.
+"""Walks through the module in a Slicer application as a user does; measures how smooth its windows stay, and takes pictures of each step.
 
-    Slicer --no-splash --additional-module-paths AIFRecon --python-script Testing/Slicer/measureInSlicer.py FOLDER [SECONDS]
-    QT_QPA_PLATFORM=offscreen python Testing/Slicer/measureInSlicer.py FOLDER [SECONDS]  # on Testing/host: only to see that it works
+    Slicer --no-splash --additional-module-paths AIFRecon --python-script Testing/Slicer/walkInSlicer.py FOLDER [SECONDS]
 
-A run: the sample in one press, again, the comparison, the CT placed, guidance. A scan: SECONDS (60) of a simulated patient at 30 frames/s
-of 640 x 480 from a process of its own, with guidance and recording, its box from a first look over all, presses in its middle, Stop. What
-came of it is printed and kept in FOLDER/measured.json; the exit status is 0 when every step succeeded. Only buttons and what the panel
-shows are used, so that states of the module can be compared.
+A run: the sample in one press, again, the comparison, guidance, paths, a wrong CT, placed, a patient who moves, a thin scan. A scan:
+SECONDS (60) of a simulated patient at 30 frames/s of 640 x 480 from a process of its own, with guidance and recording, its box from a
+first look over all, presses in its middle, Stop; then one without a CT. What came of it is printed and kept in FOLDER/measured.json, the
+pictures in FOLDER/pictures: those of the pages are copies of them. The exit status is 0 when every step succeeded. Only buttons and what
+the panel shows are used, so that states of the module can be compared.
 """
 
 import contextlib
@@ -22,17 +22,16 @@ import zlib
 from typing import Any
 
 import numpy as np
+import qt
+import slicer
+from PIL import Image
 
 HERE = pathlib.Path(__file__).resolve().parent
-try:
-    import qt
-except ImportError:
-    sys.path.append(str(HERE.parent))
-    from host import runHost
+sys.path.append(str(HERE))
+import tinyScene  # noqa: E402 - its folder must be known first
 
-    runHost().start(HERE.parents[1] / "AIFRecon" / "AIFRecon.py")
-    import qt
-import slicer  # noqa: E402 - the host makes it
+from AIFReconLib.simulation.scan import TrackingErrors  # noqa: E402 - known once Slicer has loaded the module
+from AIFReconLib.workflows.simulate import FILES, write_simulated_patient  # noqa: E402
 
 BEAT = 10
 """ms between two looks of the event loop at the clock: what comes later than that was kept waiting."""
@@ -45,6 +44,16 @@ SIZE = 480, 640
 
 ONE_SWEEP = 9.0
 """s that the scanner takes for one sweep, and a little more."""
+
+
+WRONG = 9.0, -6.0, 13.0
+"""mm, RAS, by which the CT is moved: 17 mm."""
+
+MOVED, MOVED_FRAMES = 3.0, 189
+"""mm by which the patient who moves lies elsewhere in each pass, and frames of that scan."""
+
+PROGRESS = 0.45
+"""Share of the work at which the dialog is pictured."""
 
 
 class Beat:
@@ -200,28 +209,120 @@ class Walk:
         self.beat.begin("")
         print(f"{step}: {self.seconds[step]} s", flush=True)
 
+    def picture(self, name: str, widget=None, parts: int = 1) -> None:
+        """Keep what the window, or a widget in all its length, shows, cut into so many parts side by side."""
+        path = self.folder / "pictures" / f"{name}.png"
+        path.parent.mkdir(exist_ok=True)
+        (widget or slicer.util.mainWindow()).grab().save(str(path))
+        with Image.open(path) as file:
+            whole = file.convert("RGB")
+        width, height = whole.width, -(-whole.height // parts)
+        beside = Image.new("RGB", (parts * width, height), whole.getpixel((0, 0)))
+        for part in range(parts):
+            beside.paste(whole.crop((0, part * height, width, min((part + 1) * height, whole.height))), (part * width, 0))
+        beside.quantize(255, dither=Image.Dither.NONE).save(path, optimize=True)
+
+    def judged(self, step: str, button, name: str) -> None:
+        """Press a button that reconstructs, and take the picture when all lights are told."""
+        self.press(step, button)
+        if parameters().output is None:
+            raise RuntimeError(f"nothing was reconstructed: {self.ui.statusLabel.text}")
+        self.wait(lambda: not slicer.modules.AIFReconWidget._recorded.lights.isLooking, "the lights")
+        self.settle(1.0)
+        self.picture(name)
+
+    def begin(self) -> None:
+        """Go on in an empty scene, with everything folded as at first."""
+        slicer.mrmlScene.Clear()
+        for button in (self.ui.registrationMoreButton, self.ui.coverageMoreButton, self.ui.motionMoreButton):
+            button.checked = False
+        self.ui.pathsCollapsibleButton.collapsed = self.ui.settingsCollapsibleButton.collapsed = True
+        self.settle(1.0)
+
     def run(self) -> None:
         """What is done with a recording."""
-        ui = self.ui
-        self.press("run: sample", ui.sampleButton)
-        if parameters().output is None:
-            raise RuntimeError(f"nothing was reconstructed: {ui.statusLabel.text}")
-        self.press("run: Reconstruct", ui.applyButton)
+        ui, panel = self.ui, slicer.modules.AIFReconWidget.parent
+        self.picture("panel-empty", panel)
+        self.beat.also = self._progress
+        self.judged("run: sample", ui.sampleButton, "result")
+        self.picture("panel", panel)
+        self.judged("run: Reconstruct", ui.applyButton, "again")
         self.press("run: Compare", ui.compareButton)
+        self.picture("compare")
         self.press("run: back from the comparison", ui.singleViewButton)
-        ui.registrationMoreButton.checked = True
-        self.press("run: Place CT", ui.placeButton)
+        for name in ("probeUpCheckBox", "showLevelsCheckBox"):
+            slicer.util.findChild(panel, name).click()
+        self.settle(1.0)
+        self.picture("probe-up")
+        slicer.util.findChild(panel, "probeUpCheckBox").click()
         ui.coverageMoreButton.checked = True
         self.press("run: Guidance", ui.guidanceCheckBox)
         self.wait(lambda: ui.guidanceTableLabel.text, "guidance")
+        self.picture("guidance")
+        self.press("run: no guidance", ui.guidanceCheckBox)
+        ui.coverageMoreButton.checked = False
+        ui.pathsCollapsibleButton.collapsed = False
+        ui.pathTargetComboBox.currentIndex = ui.pathTargetComboBox.findText("L2", qt.Qt.MatchContains)
+        self.press("run: Find paths", ui.findPathsButton)
+        self.wait(lambda: ui.pathsLabel.text, "paths")
+        self.picture("paths")
+        ui.pathsCollapsibleButton.collapsed = True
+        transform = parameters().bone.GetParentTransformNode()
+        place = slicer.util.arrayFromTransformMatrix(transform)
+        place[:3, 3] += WRONG
+        transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(place))
+        self.judged("run: Reconstruct with a wrong CT", ui.applyButton, "wrong-ct")
+        ui.registrationMoreButton.checked = True
+        self.press("run: Place CT", ui.placeButton)
+        self.judged("run: Reconstruct with the CT placed", ui.applyButton, "registration")
+        ui.settingsCollapsibleButton.collapsed = False
+        for group in panel.findChildren("ctkCollapsibleGroupBox"):
+            group.collapsed = False
+        self.settle(1.0)
+        self.picture("settings", ui.settingsCollapsibleButton, 2)
+        self._imported(parameters().sweep)
+        self.begin()
+        files = write_simulated_patient(self.folder / "moved", frames=MOVED_FRAMES, errors=TrackingErrors(shifting=MOVED))
+        self.open(files.sequence.parent)
+        self.judged("run: a patient who moves", ui.applyButton, "motion")
+        self.begin()
+        self.judged("run: a thin scan", ui.thinSampleButton, "thin")
+
+    def open(self, folder: pathlib.Path) -> None:
+        """Open the files of a simulated patient."""
+        slicer.modules.AIFReconWidget.logic.openFiles(parameters(), [folder / name for name in FILES])
+        self.settle(1.0)
+
+    def _progress(self) -> None:
+        """The picture of the dialog that tells how far work has come, once."""
+        if not (self.folder / "pictures" / "progress.png").exists():
+            for dialog in slicer.app.topLevelWidgets():
+                if dialog.inherits("QProgressDialog") and dialog.visible and dialog.value > PROGRESS * dialog.maximum:
+                    self.picture("progress", dialog)
+
+    def _imported(self, sweep) -> None:
+        """The picture of the window in which images and poses are imported, of this sweep, with all questions answered."""
+        from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+
+        poses = tinyScene.writeForeign(self.folder, sequenceFromBrowser(sweep))
+        spacing = np.linalg.norm(poses[0][:3, :2], axis=0)
+        self.press("run: Import", self.ui.importButton)
+        importer = slicer.modules.AIFReconWidget._recorded.importer
+        ui = importer._ui
+        ui.imagesLineEdit.currentPath, ui.posesLineEdit.currentPath = str(self.folder / "images.npy"), str(self.folder / "poses.csv")
+        ui.transformComboBox.currentIndex = 1
+        self.press("run: Check", ui.importCheckButton)
+        for question, answer in (("tool", "Probe"), ("time_unit", "ms"), ("spacing", "{:.4g} {:.4g}".format(*spacing))):
+            importer._answers[question].currentText = answer
+            self.press(f"run: Check {question}", ui.importCheckButton)
+        self.picture("import", importer._window)
+        importer._window.close()
 
     def scan(self, scanner: pathlib.Path, port: int, seconds: float) -> dict[str, float | str]:
         """What is done with a patient."""
         ui, screen = self.ui, Screen(scanner)
-        slicer.mrmlScene.Clear()
-        self.settle(1.0)
-        names = ("sweep.igs.mha", "PlusDeviceSet.xml", "ct.nrrd", "lumbar-segmentation.nrrd", "CTToReference.tfm")
-        slicer.modules.AIFReconWidget.logic.openFiles(parameters(), [scanner / name for name in names])
+        self.begin()
+        self.open(scanner)
         parameters().guidance, parameters().liveRecord = True, True
         parameters().liveHost, parameters().livePort = "127.0.0.1", port
         ui.tabWidget.currentIndex = 1
@@ -242,6 +343,8 @@ class Walk:
         for button in (ui.livePlaceButton, ui.undoPlaceButton, *twice, *twice):
             self.press(f"scan: {button.text}", button)
         self.beat.also = lambda: None
+        self.picture("live")
+        self.picture("live-panel", slicer.modules.AIFReconWidget.parent)
         self.press("scan: Stop", ui.liveStopButton)
         said = ui.liveStatisticsLabel.text
         inserted, received = map(int, re.search(r"(\d+) of (\d+) frames", said).groups())  # type: ignore[union-attr]
@@ -251,6 +354,20 @@ class Walk:
         left_out = int(sum((np.diff(numbers) - 1) % screen.count)) if None not in numbers else -1
         told: dict[str, float | str] = {"frames received": received, "frames recorded": len(numbers), "frames inserted": inserted}
         return told | {"frames lost": left_out + abs(received - len(numbers)), "said": said} | screen.told()
+
+    def scanWithoutCT(self, port: int) -> None:
+        """What is done with a patient of whom there is no CT."""
+        from AIFReconScene.inputs.boneSource import BoneSource
+
+        ui = self.ui
+        self.begin()
+        parameters().guidance, parameters().boneSource = True, BoneSource.ECHOES
+        parameters().liveHost, parameters().livePort = "127.0.0.1", port
+        self.press("without a CT: Start", ui.liveStartButton, ONE_SWEEP)
+        self.wait(lambda: ui.liveUseBoxButton.enabled, "Use the scanned area")
+        self.press("without a CT: Use the scanned area", ui.liveUseBoxButton, 4 * ONE_SWEEP)
+        self.picture("live-without-ct")
+        self.press("without a CT: Stop", ui.liveStopButton)
 
 
 @contextlib.contextmanager
@@ -281,6 +398,7 @@ def main(arguments: list[str]) -> int:
             measured |= walk.beat.told("run")
             measured |= walk.scan(folder / "scanner", port, float(arguments[1]) if len(arguments) > 1 else 60.0)
             measured |= walk.beat.told("scan")
+            walk.scanWithoutCT(port)
         except Exception as error:
             measured["failed"] = f"{type(error).__name__}: {error}"
     print(*(f"{name}: {value}" for name, value in measured.items()), sep="\n", flush=True)
