@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from sequence_samples import single_frame
 from sweeps import rigid
 from variant_files import slicer_images, slicer_transforms
 
@@ -31,16 +32,12 @@ def three_rows(matrices) -> str:
     return "".join(" ".join(f"{value:.12g}" for value in row) + "\n" for matrix in matrices for row in matrix[:3])
 
 
-def acquisition(folder: Path, *, frame_poses=True, tool_times=None, spacing=SPACING, probe=None) -> Path:
+def acquisition(folder: Path, *, frame_poses=True, tool_times=None, probe=None) -> Path:
     """What CustusX writes: see its US Acquisition Data File Format."""
     folder.mkdir(exist_ok=True)
     base = folder / "US-Acq_1_20260101T120000_Probe"
     for number, image in enumerate(IMAGES):
-        Path(f"{base}_{number}.raw").write_bytes(image.tobytes())
-        Path(f"{base}_{number}.mhd").write_text(
-            f"ObjectType = Image\nNDims = 3\nElementSpacing = {spacing[0]} {spacing[1]} 1\nDimSize = {COLUMNS} {ROWS} 1\n"
-            f"ElementType = MET_UCHAR\nElementDataFile = {base.name}_{number}.raw\n"
-        )
+        single_frame(Path(f"{base}_{number}.mhd"), image)
     Path(f"{base}.fts").write_text("".join(f"{1700000000000 + 50 * number}\n" for number in range(COUNT)))
     if frame_poses:
         Path(f"{base}.fp").write_text(three_rows(POSES))

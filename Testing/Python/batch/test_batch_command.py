@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from files import write_patient
@@ -74,10 +75,7 @@ def test_a_dry_run_lists_what_is_wrong_and_writes_nothing(table, tmp_path, capsy
 
 @pytest.mark.parametrize("options", [[], ["--scheduler", "tcp://127.0.0.1:9"]])
 def test_without_its_packages_a_sentence_says_how_to_get_them(table, tmp_path, capsys, monkeypatch, options):
-    def missing(name):
-        raise ImportError(name)
-
-    monkeypatch.setattr(engine, "import_module", missing)
+    monkeypatch.setattr(engine, "import_module", Mock(side_effect=ImportError))
     assert main(["batch", str(table), "--output", str(tmp_path / "out"), *options]) == 2
     assert 'pip install "dask[distributed]"' in capsys.readouterr().err
 

@@ -9,7 +9,10 @@ import shutil
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from unittest.mock import Mock
 
+import distributed
+import pyarrow.parquet as parquet
 import pytest
 from files import tracked_sequence, write_patient
 from worker_tasks import filled
@@ -26,9 +29,6 @@ from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.own.method import load_method
 from AIFReconLib.errors import SettingsError
-
-distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
 
 SHARES = Shares(2, 1, 3_000_000_000, 0)
 """What the workers of these tests get."""
@@ -208,11 +208,8 @@ def test_a_full_disk_is_a_sentence_and_leaves_what_was_there(lab, monkeypatch):
     (lab.output / "P1").mkdir()
     (lab.output / "P1" / "before.nrrd").touch()
 
-    def full(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
     with monkeypatch.context() as patched:
-        patched.setattr(os, "rename", full)
+        patched.setattr(os, "rename", Mock(side_effect=OSError(errno.ENOSPC, "No space left on device")))
         record = carry_out(case, lab.output)
     assert (record.state, "the disk is full" in record.message) == (LOST, True)
     assert [path.name for path in (lab.output / "P1").iterdir()] == ["before.nrrd"]

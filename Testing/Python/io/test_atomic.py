@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -17,13 +18,9 @@ def content_of(folder) -> dict[str, str]:
     return {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
 
 
-def fail_with(code: int):
+def fail_with(code: int) -> Mock:
     """A function that fails as the system would."""
-
-    def fail(*_args, **_keywords):
-        raise OSError(code, os.strerror(code))
-
-    return fail
+    return Mock(side_effect=OSError(code, os.strerror(code)))
 
 
 def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
@@ -46,13 +43,10 @@ def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
     ],
 )
 def test_a_system_error_becomes_an_output_error_and_leaves_nothing(tmp_path, code, expected):
-    def run_into_it():
-        with atomic_output(tmp_path / "a.txt") as temporary:
-            temporary.write_text("half", encoding="utf-8")
-            fail_with(code)()
-
-    with pytest.raises(OutputError, match=expected) as caught:
-        run_into_it()
+    refused = pytest.raises(OutputError, match=expected)
+    with refused as caught, atomic_output(tmp_path / "a.txt") as temporary:
+        temporary.write_text("half", encoding="utf-8")
+        fail_with(code)()
     assert str(tmp_path / "a.txt") in str(caught.value)
     assert list(tmp_path.iterdir()) == []
 

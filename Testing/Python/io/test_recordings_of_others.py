@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import PIL.Image as pil
 import pytest
 from made_recordings import (
     CALIBRATION,
@@ -25,6 +26,7 @@ from made_recordings import (
     pose,
     three_rows,
 )
+from rosbags.convert import cli as convert
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib import read_sequence
@@ -140,8 +142,6 @@ def test_an_archive_that_is_no_recording_says_why(tmp_path, arrays, message):
 
 # ---- bags of ROS
 
-rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed")
-
 
 def bag_of_images(folder: Path, storage: str = "mcap", count: int = COUNT, change=None, **image) -> Bag:
     """A bag of images without poses."""
@@ -206,7 +206,6 @@ def test_images_of_several_encodings_are_read_or_named(tmp_path, encoding, pixel
 
 
 def test_compressed_images_are_read(tmp_path):
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     bag = Bag(tmp_path / "sweep", "bag")
     with bag.writer:
         for number, image in enumerate(IMAGES):
@@ -220,8 +219,6 @@ def test_compressed_images_are_read(tmp_path):
 
 
 def test_a_bag_with_images_of_two_topics_asks_for_one(tmp_path, monkeypatch):
-    from rosbags.convert import cli as convert
-
     bag = Bag(tmp_path / "sweep", "mcap")
     with bag.writer:
         bag.image(0, "/us/image")

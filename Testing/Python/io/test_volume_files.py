@@ -6,6 +6,7 @@ import gzip
 import struct
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -76,9 +77,7 @@ def test_a_file_that_came_out_incomplete_or_failed_does_not_get_its_name(tmp_pat
         data = max(Path(name).parent.iterdir(), key=lambda path: (path.suffix in (".raw", ".zraw"), path.name))
         data.write_bytes(data.read_bytes()[:-20])
 
-    def fail(*_args, **_keywords):
-        raise RuntimeError("Exception thrown in SimpleITK\nitk.cxx:1:\nITK ERROR: ImageIO(0x55): no space left")
-
+    fail = Mock(side_effect=RuntimeError("Exception thrown in SimpleITK\nitk.cxx:1:\nITK ERROR: ImageIO(0x55): no space left"))
     for writes, said in ((write_half, "incomplete"), (fail, r"volume\S*: ImageIO: no space left\. Check")):
         monkeypatch.setattr(sitk, "WriteImage", writes)
         with pytest.raises(OutputError, match=said):

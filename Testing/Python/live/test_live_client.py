@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -163,10 +164,6 @@ def test_pauses_between_attempts_grow_and_the_last_one_repeats():
     assert f"127.0.0.1 has no server on port {port}. Start the server there" in told[0]
 
 
-def unknown(*_, **__):
-    raise socket.gaierror(-2, "Name or service not known")
-
-
 @pytest.mark.parametrize(
     ("host", "why"),
     [
@@ -177,7 +174,7 @@ def unknown(*_, **__):
 def test_a_first_attempt_that_fails_is_an_error_where_it_is_waited_for(host, why, monkeypatch):
     client = OpenIGTLinkClient(host, free_port(), **QUICK)
     if host != "127.0.0.1":
-        monkeypatch.setattr(socket, "getaddrinfo", unknown)
+        monkeypatch.setattr(socket, "getaddrinfo", Mock(side_effect=socket.gaierror(-2, "Name or service not known")))
     with pytest.raises(LiveConnectionError, match=why):
         client.start(wait=True)
     assert client.state == "stopped"

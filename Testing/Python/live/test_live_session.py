@@ -8,6 +8,7 @@ import threading
 import time
 import tracemalloc
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -406,20 +407,14 @@ def test_trouble_of_the_stream_is_told(session_of):
 
 
 def test_the_reconstruction_goes_on_when_the_recording_fails(session_of, monkeypatch, tmp_path):
-    def write(file, data):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Recorder, "_write", staticmethod(write))
+    monkeypatch.setattr(Recorder, "_write", Mock(side_effect=OSError(28, "No space left on device")))
     session = session_of(streamed(tracked_sequence()), record=tmp_path / "scan.mha")
     assert run(session).frames_inserted == 6
     assert "the disk is full" in session.recording_failure
 
 
 def test_an_error_while_receiving_is_told_and_no_hang(session_of, monkeypatch):
-    def feed(self, message):
-        raise ValueError("what is this?")
-
-    monkeypatch.setattr(Synchronizer, "feed", feed)
+    monkeypatch.setattr(Synchronizer, "feed", Mock(side_effect=ValueError("what is this?")))
     session = session_of(streamed(tracked_sequence()))
     session.start()
     assert session.finished.wait(LONG)
