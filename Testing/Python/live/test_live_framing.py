@@ -148,18 +148,15 @@ def test_the_status_of_a_transform_is_in_its_metadata_but_nan_is_never_a_pose(ma
     assert np.allclose(message.matrix[:3], matrix[:3], atol=1e-6, equal_nan=True)
 
 
-@pytest.mark.parametrize(
-    ("message", "why"),
-    [
-        (encoding.encode_message("IMAGE", "Short", 0.0, image_bytes()[58:-3]), "'Short' cannot be understood"),
-        (encoding.encode_message("TDATA", "Tracker", 1.0, bytes(70 * 1001)), "holds 1001 tools, more than 1000"),
-        (
-            encoding.encode_message("POSITION", "ProbeToTracker", 1.5, bytes(12)),
-            "holds 12 bytes, not a position and a quaternion .*send TRANSFORM",
-        ),
-    ],
-    ids=["cut short", "a thousand tools", "no quaternion"],
-)
+POINT = encoding.encode_message("POSITION", "ProbeToTracker", 1.5, bytes(12))
+SENSELESS = {
+    "cut short": (encoding.encode_message("IMAGE", "Short", 0.0, image_bytes()[58:-3]), "'Short' cannot be understood"),
+    "a thousand tools": (encoding.encode_message("TDATA", "Tracker", 1.0, bytes(70 * 1001)), "holds 1001 tools, more than 1000"),
+    "no quaternion": (POINT, "holds 12 bytes, not a position and a quaternion .*send TRANSFORM"),
+}
+
+
+@pytest.mark.parametrize(("message", "why"), SENSELESS.values(), ids=SENSELESS)
 def test_what_makes_no_sense_is_refused_with_the_reason(message, why):
     with pytest.raises(LiveMessageError, match=why):
         decoded(message)

@@ -87,28 +87,16 @@ def test_a_finished_recording_holds_every_image_transform_and_time_to_the_bit(su
             np.testing.assert_array_equal(sample.matrix, frame.record.transforms[name].matrix)
 
 
-UNSEEN = {"probe": False}
-SOME = [True, True, False, False, False]
+BEGIN, LOST = [*tracked(1.0), *tracked(2.0)], [*tracked(4.0, probe=False), *tracked(5.0, probe=False)]
+NOT_SEEN = image(3.0, metadata=metadata(ProbeToTracker="OUT_OF_VIEW", ReferenceToTracker="OK"), version=2)
+STREAMS = {
+    "missing": ([*BEGIN, image(3.0, version=2), *LOST], [True, True, False, False, False]),
+    "metadata": ([*BEGIN, NOT_SEEN, *LOST], [True, True, False, False, False]),
+    "not confirmed": ([image(1.0), image(2.0)], [False, False]),
+}
 
 
-@pytest.mark.parametrize(
-    ("stream", "usable"),
-    [
-        ([*tracked(1.0), *tracked(2.0), image(3.0, version=2), *tracked(4.0, **UNSEEN), *tracked(5.0, **UNSEEN)], SOME),
-        (
-            [
-                *tracked(1.0),
-                *tracked(2.0),
-                image(3.0, metadata=metadata(ProbeToTracker="OUT_OF_VIEW", ReferenceToTracker="OK"), version=2),
-                *tracked(4.0, **UNSEEN),
-                *tracked(5.0, **UNSEEN),
-            ],
-            SOME,
-        ),
-        ([image(1.0), image(2.0)], [False, False]),
-    ],
-    ids=["missing", "metadata", "not confirmed"],
-)
+@pytest.mark.parametrize(("stream", "usable"), STREAMS.values(), ids=STREAMS)
 def test_a_recording_gives_the_poses_and_statuses_that_the_stream_gave(stream, usable, tmp_path, record):
     placed = paired(*stream)
     record(tmp_path / "scan.mha", placed).finish()
