@@ -129,11 +129,23 @@ class Bag:
         )
         self.write(topic, "tf2_msgs/msg/TFMessage", seconds, self.make("tf2_msgs/msg/TFMessage", transforms=[stamped]))
 
-    def pose(self, seconds, frame, matrix, topic="/probe/pose_stamped"):
+    def pose(self, seconds, frame, matrix, kind="geometry_msgs/msg/PoseStamped"):
+        """A message that holds a pose, some among other things."""
         position, orientation = self.moved(matrix, "Point")
-        pose = self.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
-        message = self.make("geometry_msgs/msg/PoseStamped", header=self.header(seconds, frame), pose=pose)
-        self.write(topic, "geometry_msgs/msg/PoseStamped", seconds, message)
+        at, header = self.make("geometry_msgs/msg/Pose", position=position, orientation=orientation), self.header(seconds, frame)
+        fields: dict[str, Any] = {"header": header}
+        if kind.endswith("Path"):
+            fields["poses"] = [self.make("geometry_msgs/msg/PoseStamped", header=header, pose=at)]
+        elif kind.endswith("PoseStamped"):
+            fields["pose"] = at
+        else:
+            fields["pose"] = self.make("geometry_msgs/msg/PoseWithCovariance", pose=at, covariance=np.zeros(36))
+        if kind.endswith("Odometry"):
+            still = self.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+            twist = self.make("geometry_msgs/msg/Twist", linear=still, angular=still)
+            fields["twist"] = self.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36))
+            fields["child_frame_id"] = "needle"
+        self.write("/probe/pose", kind, seconds, self.make(kind, **fields))
 
 
 CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ TO_MM

@@ -135,17 +135,3 @@ def test_a_plus_configuration_drives_the_command(recording, capsys):
     assert run(recording, "--mask", str(recording / "mask.nrrd")) == 0
     assert "Optimization=PARTIAL has no effect" in capsys.readouterr().out
     assert (read_volume(recording / "mask.nrrd").array == 2).any()
-
-
-@pytest.mark.parametrize(
-    ("options", "expected"),
-    [
-        (("--holes", "stick", "--hole-limit", "0"), "hole_limit must be above 0 mm"),
-        (("--importance-mask", "none.png"), "none.png: there is no such file"),
-        (("--pixel-rejection", "-3"), "pixel_rejection must be at least 0"),
-    ],
-)
-def test_options_that_cannot_be_carried_out_are_explained(recording, capsys, options, expected):
-    assert run(recording, *options) == 2
-    assert expected in capsys.readouterr().err
-    assert not (recording / "volume.nrrd").exists()

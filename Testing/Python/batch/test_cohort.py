@@ -127,14 +127,6 @@ def test_a_volume_has_the_bytes_that_the_command_by_hand_writes(finished, tmp_pa
         assert (lab.output / "P1" / name).read_bytes() == (tmp_path / name).read_bytes()
 
 
-def test_two_workers_write_the_bytes_that_one_process_writes(finished, tmp_path):
-    lab, cohort, _ = finished
-    (tmp_path / RECORDS).mkdir()
-    assert carry_out(cohort.cases[2], tmp_path).state == DONE
-    for path in (tmp_path / "P3").glob("*.nrrd"):
-        assert path.read_bytes() == (lab.output / "P3" / path.name).read_bytes()
-
-
 def test_a_sweep_that_is_cut_short_and_a_missing_file_cost_no_other_case(finished):
     lab, cohort, _ = finished
     assert lab.states(cohort) == {"P1": DONE, "P2": FAILED, "P3": DONE, "P4": FAILED}
@@ -156,12 +148,6 @@ def test_both_tables_hold_a_row_for_each_case_and_method(finished, tmp_path):
 
 
 # ---- a second run
-
-
-def test_what_is_done_and_unchanged_is_not_done_again(finished):
-    lab, _, _ = finished
-    assert lab.prepared().to_do == []
-    assert [case.name for case in lab.prepared(retry_failed=True).to_do] == ["P2"]
 
 
 @pytest.mark.parametrize("change", ["input", "settings", "result", "version"])

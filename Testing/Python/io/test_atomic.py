@@ -31,17 +31,17 @@ def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
     assert content_of(tmp_path) == {"a.mhd": "old"}
 
 
-@pytest.mark.parametrize(
-    ("code", "expected"),
-    [
-        (errno.ENOSPC, "the disk is full. Free some space"),
-        (errno.EACCES, "no permission"),
-        (errno.EROFS, "Read-only file system"),
-        (errno.EIO, "Input/output error. Choose another path"),
-        (errno.EMFILE, "too many files are open"),
-        (errno.EBUSY, "Choose another path"),
-    ],
-)
+ERRORS = {
+    errno.ENOSPC: "the disk is full. Free some space",
+    errno.EACCES: "no permission",
+    errno.EROFS: "Read-only file system",
+    errno.EIO: "Input/output error. Choose another path",
+    errno.EMFILE: "too many files are open",
+    errno.EBUSY: "Choose another path",
+}
+
+
+@pytest.mark.parametrize(("code", "expected"), ERRORS.items())
 def test_a_system_error_becomes_an_output_error_and_leaves_nothing(tmp_path, code, expected):
     refused = pytest.raises(OutputError, match=expected)
     with refused as caught, atomic_output(tmp_path / "a.txt") as temporary:

@@ -61,15 +61,15 @@ def test_an_array_that_is_no_sweep_is_refused(tmp_path, array, message):
         open_images([tmp_path / "a.npy"])
 
 
-@pytest.mark.parametrize(
-    ("said", "times"),
-    [({"FrameTime": 40.0}, [0.0, 0.04, 0.08]), ({"FrameTimeVector": [0, 40, 60]}, [0.0, 0.04, 0.1])],
-    ids=["one", "a vector"],
-)
-def test_the_frames_of_one_dicom_file_have_their_times_and_pixel_size(tmp_path, said, times):
+TIMES = {"FrameTime": (40.0, [0.0, 0.04, 0.08]), "FrameTimeVector": ([0, 40, 60], [0.0, 0.04, 0.1])}
+
+
+@pytest.mark.parametrize("name", TIMES)
+def test_the_frames_of_one_dicom_file_have_their_times_and_pixel_size(tmp_path, name):
+    said, times = TIMES[name]
     item = region(0.2)
     item.PhysicalDeltaY = 0.03
-    found = open_images([write_dicom(tmp_path / "a.dcm", FRAMES[:3], **said, **regions(item))])
+    found = open_images([write_dicom(tmp_path / "a.dcm", FRAMES[:3], **{name: said}, **regions(item))])
     np.testing.assert_array_equal(np.array([found.stack[n] for n in (2, 0)]), FRAMES[[2, 0]])
     np.testing.assert_allclose(found.times, times)
     assert found.spacing == pytest.approx((0.2, 0.3))

@@ -1,9 +1,8 @@
-"""`aifrecon import`: exported frames and poses give the volume of the recording they are from, whatever the way they were written."""
+"""`aifrecon import`: exported frames and poses give the recording they are from, whatever the way they were written."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,10 +14,8 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.poses import sweep_poses
 
 SEQUENCE = tracked_sequence()
@@ -69,16 +66,6 @@ def imported(results, *arguments):
 def asked(capsys, results, *arguments) -> str:
     """What an import is refused with."""
     return refused(["import", *arguments, "--output", results / "s.mha"], capsys, results)
-
-
-def test_exported_pictures_and_poses_give_the_same_volume(tmp_path, results, calibration):
-    folder = write_pictures(tmp_path / "frames", SEQUENCE.images)
-    poses = save(tmp_path / "poses.csv", [[t, *row] for t, row in zip(TIMES, flat(PROBE_TO_REFERENCE))])
-    sequence = imported(results, folder, "--poses", poses, "--transform", "ProbeToReference", "--calibration", calibration)
-    calibrated = replace(SEQUENCE, transforms={TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)})
-    found, expected = (reconstruct(each, ReconstructionSettings(spacing=1.0)).intensity for each in (sequence, calibrated))
-    np.testing.assert_allclose(found.ijk_to_reference, expected.ijk_to_reference, atol=1e-9)
-    np.testing.assert_array_equal(found.array, expected.array)
 
 
 IMAGE, SIZE = ["--transform", "ImageToReference"], ["--spacing", *SPACING]

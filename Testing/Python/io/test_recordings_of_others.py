@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import PIL.Image as pil
@@ -244,40 +243,20 @@ def test_what_is_no_bag_is_refused(tmp_path, suffix, content):
         read_sequence(tmp_path / f"a{suffix}")
 
 
-def posed(bag: Bag, kind: str, number: int) -> None:
-    """A message that holds a pose among other things."""
-    position, orientation = bag.moved(pose(number), "Point")
-    at, header = bag.make("geometry_msgs/msg/Pose", position=position, orientation=orientation), bag.header(0.05 * number, "tracker")
-    fields: dict[str, Any] = {"header": header}
-    if kind.endswith("Path"):
-        fields["poses"] = [bag.make("geometry_msgs/msg/PoseStamped", header=header, pose=at)]
-    elif kind.endswith("PoseStamped"):
-        fields["pose"] = at
-    else:
-        fields["pose"] = bag.make("geometry_msgs/msg/PoseWithCovariance", pose=at, covariance=np.zeros(36))
-    if kind.endswith("Odometry"):
-        still = bag.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
-        twist = bag.make("geometry_msgs/msg/Twist", linear=still, angular=still)
-        fields["twist"] = bag.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36))
-        fields["child_frame_id"] = "needle"
-    bag.write("/probe/pose", kind, 0.05 * number, bag.make(kind, **fields))
+KINDS = {
+    "geometry_msgs/msg/PoseStamped": "ProbeToTracker",
+    "nav_msgs/msg/Odometry": "NeedleToTracker",
+    "geometry_msgs/msg/PoseWithCovarianceStamped": "ProbeToTracker",
+    "nav_msgs/msg/Path": None,
+}
 
 
-@pytest.mark.parametrize(
-    ("kind", "name"),
-    [
-        ("geometry_msgs/msg/PoseStamped", "ProbeToTracker"),
-        ("nav_msgs/msg/Odometry", "NeedleToTracker"),
-        ("geometry_msgs/msg/PoseWithCovarianceStamped", "ProbeToTracker"),
-        ("nav_msgs/msg/Path", None),
-    ],
-)
-@pytest.mark.parametrize("storage", ["bag", "mcap"])
+@pytest.mark.parametrize(("kind", "name"), KINDS.items())
 def test_poses_of_other_messages_are_read_or_named(tmp_path, storage, kind, name):
     bag = Bag(tmp_path / "sweep", storage)
     with bag.writer:
         for number in range(COUNT):
-            posed(bag, kind, number)
+            bag.pose(0.05 * number, "tracker", pose(number), kind)
             bag.image(number)
     # An MCAP is read without its folder, too
     sequence = read_sequence(bag.path if storage == "bag" else next(bag.path.glob("*.mcap")))

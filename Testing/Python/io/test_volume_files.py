@@ -149,16 +149,16 @@ def test_labels_are_whole_numbers_whatever_the_file_holds(tmp_path, dtype):
     assert labels.array.dtype.kind in "iu"
 
 
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [
-        (0.5, "BoneMap.from_probability"),
-        (28.5, "Export them without smoothing"),
-        (np.nan, "whole numbers"),
-        (1e12, "whole numbers"),
-        (-1000, "CT"),
-    ],
-)
+NO_LABELS = {
+    0.5: "BoneMap.from_probability",
+    28.5: "Export them without smoothing",
+    np.nan: "whole numbers",
+    1e12: "whole numbers",
+    -1000: "CT",
+}
+
+
+@pytest.mark.parametrize(("value", "expected"), NO_LABELS.items())
 def test_what_cannot_be_labels_is_refused(tmp_path, value, expected):
     array = np.zeros((2, 3, 4), np.float32)
     array[1, 1, 1] = value

@@ -418,17 +418,16 @@ def test_an_error_while_receiving_is_told_and_no_hang(session_of, monkeypatch):
 TINY = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (4, 4, 4), 1.0)
 
 
+OFFSET = {"synchronizer": SynchronizerSettings(time_offset=0.1)}
+
+
 @pytest.mark.parametrize(
     ("settings", "options", "says"),
     [
         ({"orientation": "UF"}, {"grid": TINY}, "orientation is for files"),
         ({"spacing": 2.0}, {"grid": TINY}, "spacing must be that of the grid"),
         ({"bone_from_sweep": True}, {"grid": TINY}, "bone_from_sweep looks at a whole recording"),
-        (
-            {"time_offset": 0.2},
-            {"synchronizer": SynchronizerSettings(time_offset=0.1)},
-            "time_offset must be that of the synchronizer",
-        ),
+        ({"time_offset": 0.2}, OFFSET, "time_offset must be that of the synchronizer"),
         ({"method": "aif"}, {}, "bone"),
     ],
 )
