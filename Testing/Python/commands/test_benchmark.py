@@ -17,19 +17,16 @@ from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transforms import image_plane_axes
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from benchmark import commands, speed
+from benchmark.numba_yardstick import plain_aif
 
 TESTING = Path(__file__).resolve().parents[2]
-LOOPS = optional_module("benchmark.numba_yardstick")
-needs_numba = pytest.mark.skipif(LOOPS is None, reason="numba is not installed")
 
 
-@needs_numba
 @pytest.mark.parametrize("method", ["aif", "aif-compensated"])
 def test_the_yardstick_gives_the_voxels_of_the_engines(method):
     frames, grid, bone = oblique_frames(), turned_grid(), sphere_bone()
@@ -44,7 +41,7 @@ def test_the_yardstick_gives_the_voxels_of_the_engines(method):
         beams = probe.directions(columns, rows, (0.4, 0.7))
         factors = np.float32(0.1), np.float32(0.1), np.float32(255), method == "aif-compensated"
         known = placed.probability, placed.directions_reference
-        LOOPS.plain_aif(frame.image, grid.reference_to_ijk @ frame.image_to_reference, x, y, beams, *known, *factors, value, weight, hits)
+        plain_aif(frame.image, grid.reference_to_ijk @ frame.image_to_reference, x, y, beams, *known, *factors, value, weight, hits)
     np.testing.assert_allclose(reconstructor.finish().intensity.array, value, rtol=1e-6)
 
 

@@ -240,11 +240,6 @@ def test_images_that_came_and_are_not_used_are_named_in_the_last_line(messages, 
 # ---- the status line
 
 
-class Terminal(io.StringIO):
-    def isatty(self):
-        return True
-
-
 class Shown:
     """What a status line asks of a session."""
 
@@ -263,7 +258,8 @@ def test_trouble_is_said_once_in_a_line_of_its_own():
         statistics = replace(Shown.statistics, trouble="Nothing has arrived for 2 s.")
 
     clock = iter(np.arange(0, 20, 0.5))
-    stream = Terminal()
+    stream = io.StringIO()
+    stream.isatty = lambda: True
     line = StatusLine(stream, lambda: next(clock))
     for _ in range(40):
         line.show(Troubled)

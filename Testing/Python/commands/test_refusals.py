@@ -6,7 +6,7 @@ import shlex
 
 import numpy as np
 import pytest
-import SimpleITK as sitk
+from dicom_samples import write_dicom
 from files import refused, tracked_sequence, write_patient
 from late_sweeps import late_sweep, one_way
 from made_recordings import acquisition
@@ -176,15 +176,10 @@ def made(tmp_path_factory):
         "pictures/1.png": "image",
     }.items():
         (here / name).write_text(text, "utf-8")
-    series = sitk.ImageFileWriter()
-    series.KeepOriginalImageUIDOn()
+    of_ct = {"Modality": "CT", "SeriesInstanceUID": "1.2.3", "PixelSpacing": [1, 1], "ImageOrientationPatient": [1, 0, 0, 0, 1, 0]}
     for number in range(4):
-        image = sitk.GetImageFromArray(np.zeros((8, 8), np.int16))
-        tags = {"0008|0060": "CT", "0020|000e": "1.2.3", "0020|000d": "1.2", "0008|0018": f"1.2.3.{number}"}
-        for tag, value in {**tags, "0020|0032": f"0\\0\\{number}", "0020|0013": str(number)}.items():
-            image.SetMetaData(tag, value)
-        series.SetFileName(str(here / f"{number}.dcm"))
-        series.Execute(image)
+        place = {"SOPInstanceUID": f"1.2.3.{number}", "ImagePositionPatient": [0, 0, number]}
+        write_dicom(here / f"{number}.dcm", np.zeros((8, 8), np.int16), **of_ct, **place)
     return here
 
 

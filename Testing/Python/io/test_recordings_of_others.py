@@ -252,6 +252,7 @@ KINDS = {
 
 
 @pytest.mark.parametrize(("kind", "name"), KINDS.items())
+@pytest.mark.parametrize("storage", ["bag", "mcap"])
 def test_poses_of_other_messages_are_read_or_named(tmp_path, storage, kind, name):
     bag = Bag(tmp_path / "sweep", storage)
     with bag.writer:

@@ -162,18 +162,6 @@ def test_what_makes_no_sense_is_refused_with_the_reason(message, why):
         decoded(message)
 
 
-@pytest.mark.parametrize(("kind", "atol"), [("TDATA", 0.0), ("POSITION", 2e-4)])
-def test_all_that_a_real_server_tells_of_its_tools_agrees_with_its_transforms(data_dir, kind, atol):
-    told, sent = {}, {}
-    for part in framed(recorded(data_dir, "C")):
-        if part.kind in (kind, "TRANSFORM"):
-            found = told if part.kind == kind else sent
-            found.update({(message.device, message.timestamp): message.matrix for message in decode(part)})
-    shared = [key for key in told if key in sent and not key[0].startswith("Image")]
-    assert len(shared) > 200
-    np.testing.assert_allclose([told[key] for key in shared], [sent[key] for key in shared], rtol=0.0, atol=atol)
-
-
 QUATERNION = (0.5, -0.5, 0.5, 0.5)
 TURNED = np.array([(0.0, -1.0, 0.0, 1.0), (0.0, 0.0, -1.0, 2.0), (1.0, 0.0, 0.0, 3.0), (0.0, 0.0, 0.0, 1.0)])
 """What it turns, with a position of 1, 2, 3 mm."""
