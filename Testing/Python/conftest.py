@@ -60,9 +60,7 @@ def real_data(data_dir: Path) -> Callable[[str], Path]:
 
 @pytest.fixture(params=["numpy", "numba"])
 def engine(request) -> str:
-    """Each of both; without numba a test of that one is skipped."""
-    if request.param == "numba":
-        pytest.importorskip("numba", reason="numba is not installed")
+    """Each of both."""
     return request.param
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import pydicom as dicom
 
-def write_dicom(dicom, path, pixels, **attributes):
+
+def write_dicom(path, pixels, **attributes):
     """An uncompressed ultrasound file of one or more gray frames."""
     dataset = dicom.dataset.FileDataset(str(path), {}, preamble=b"\0" * 128)
     dataset.file_meta = dicom.dataset.FileMetaDataset()

@@ -7,10 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 from dicom_samples import write_dicom
 from doc_pages import REPOSITORY, blocks
 from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_sequence, write_patient
+from made_pictures import write_pictures
 from made_tables import Recording, motive
 from made_wires import recording, write_phantom
 from variant_files import slicer_images, slicer_transforms
@@ -28,8 +28,6 @@ from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
-
-pictures = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
 
 FRAMES = 8
 ECHO_ROW = 19
@@ -82,12 +80,11 @@ def make_workplace(folder: Path) -> Path:
 
 def _write_frames(sequence: TrackedSequence, folder: Path) -> None:
     """Pictures, and a table of rigid poses of the image, pixel size taken out."""
-    (folder / "frames").mkdir()
+    write_pictures(folder / "frames", np.asarray(sequence.images))
     poses = sweep_poses(sequence).image_to_reference
     spacing = np.linalg.norm(poses[0][:3, :3], axis=0)
     rows = ["time," + ",".join(f"m{i}{j}" for i in range(4) for j in range(4))]
     for number, pose in enumerate(poses):
-        pictures.fromarray(np.asarray(sequence.images[number])).save(folder / "frames" / f"frame{number}.png")
         rigid_pose = pose @ np.diag([*(1 / spacing), 1.0])
         rows.append(",".join(map(repr, [0.05 * number, *rigid_pose.ravel().tolist()])))
     (folder / "poses.csv").write_text("\n".join(rows), "utf-8")
@@ -96,9 +93,7 @@ def _write_frames(sequence: TrackedSequence, folder: Path) -> None:
 def _write_optical_tracking(sequence: TrackedSequence, folder: Path) -> None:
     """A cine in DICOM, Motive's table of the rigid bodies on probe and patient, a calibration, and a mask for each vertebra."""
     shutil.copy(folder / "ImageToProbe.tfm", folder / "calibration.tfm")
-    write_dicom(
-        pytest.importorskip("pydicom", reason="pydicom is not installed"), folder / "cine.dcm", np.asarray(sequence.images), FrameTime=50.0
-    )
+    write_dicom(folder / "cine.dcm", np.asarray(sequence.images), FrameTime=50.0)
     bodies = [[record.transforms[TransformName(tool, "Tracker")].matrix for record in sequence.records] for tool in ("Probe", "Reference")]
     times = 0.05 * np.arange(len(sequence))
     good = np.ones((2, len(sequence)), bool)

@@ -84,9 +84,9 @@ def calibrated(sequence: TrackedSequence | None = None, **configuration) -> Trac
     return replace(sequence or tracked_sequence(), configuration=known)
 
 
-def write_configuration(path: Path, attributes: str = "", holes: str = "", spacing: str = "1 1 1") -> Path:
+def write_configuration(path: Path, attributes: str = "", holes: str = "", spacing: str = "1 1 1", matrix=IMAGE_TO_PROBE) -> Path:
     """The patient's Plus configuration, with more attributes of its VolumeReconstruction and elements of its HoleFilling."""
-    text = CONFIGURATION.format(matrix=" ".join(map(repr, IMAGE_TO_PROBE.ravel().tolist())), spacing=spacing)
+    text = CONFIGURATION.format(matrix=" ".join(map(repr, matrix.ravel().tolist())), spacing=spacing)
     path.write_text(text.replace('" />\n</Plus', f'" {attributes}><HoleFilling>{holes}</HoleFilling></VolumeReconstruction>\n</Plus'))
     return path
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import lzma
 import socket
-import subprocess
 import time
 from collections.abc import Callable
 from functools import lru_cache
@@ -12,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 import pyigtl
 import pytest
-from waiting import PATIENCE
+from waiting import PATIENCE, until
 
 from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent, TransformMessage
 
@@ -126,22 +125,16 @@ class ScriptedServer:
             self._connection = None
 
 
-def wait_for(condition: Callable[[], object], what: str = "the condition", deadline: float = DEADLINE):
-    """The condition's value once it is true; fails the test after the deadline."""
-    end = time.monotonic() + deadline
-    while not (value := condition()):
-        if time.monotonic() > end:
-            pytest.fail(f"{what} did not come within {deadline} s")
-        time.sleep(0.005)
-    return value
+def wait_for(condition: Callable[[], object], what: str = "the condition") -> None:
+    """Wait until the condition holds; it must."""
+    assert until(condition), f"{what} did not come"
 
 
 class Inbox:
     """Everything that a client hands out, read as it comes."""
 
-    def __init__(self, client, server: subprocess.Popen | None = None) -> None:
+    def __init__(self, client) -> None:
         self.client = client
-        self.server = server
         self.messages: list = []
 
     def until(self, condition: Callable[[Inbox], object], what: str = "what was awaited") -> Inbox:

@@ -8,8 +8,7 @@ import numpy as np
 from scipy import ndimage
 from sweeps import rigid
 
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.frames import TrackedSequence
 
 COLUMNS, ROWS, SPACING, RATE = 48, 40, 1.0, 20.0
 
@@ -34,15 +33,12 @@ def late_sweep(path=to_and_fro, late=0.0, seconds=12.0, seed=0, noise=8.0, sidew
     rng = np.random.default_rng(seed)
     body = made_up_body(seed)
     rows, columns = np.indices((ROWS, COLUMNS), dtype=float)
-    images, records = [], []
-    for n in range(int(seconds * RATE)):
-        t = n / RATE
+    images, poses, times = [], [], np.arange(int(seconds * RATE)) / RATE
+    for t in times:
         offset = (path(t), 0.0) if sideways else (0.0, path(t))
         place = np.stack([np.full_like(rows, 45.0 + offset[1]), rows + 10, columns + 20 + offset[0]])
         image = ndimage.map_coordinates(body, place, order=1, mode="reflect") + noise * rng.standard_normal(rows.shape)
         images.append(np.clip(image, 0, 255).astype(np.uint8))
         claimed = path(t - late)
-        pose = rigid((20.0, 5.0, -30.0), (7.0, 8.0, 9.0)) @ rigid((0, 0, 0), (claimed, 0, 0) if sideways else (0, 0, claimed))
-        pose = pose @ np.diag([SPACING, SPACING, 1.0, 1.0])
-        records.append(FrameRecord(timestamp=100.0 + t, transforms={TransformName("Image", "Reference"): TransformSample(pose)}))
-    return TrackedSequence(np.array(images), records)
+        poses.append(rigid((20.0, 5.0, -30.0), (7.0, 8.0, 9.0)) @ rigid((0, 0, 0), (claimed, 0, 0) if sideways else (0, 0, claimed)))
+    return TrackedSequence.from_arrays(np.array(images), poses, 100.0 + times, spacing=SPACING)

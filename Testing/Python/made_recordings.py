@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from sequence_samples import single_frame
 from sweeps import rigid
 from variant_files import slicer_images, slicer_transforms
 
@@ -31,16 +32,12 @@ def three_rows(matrices) -> str:
     return "".join(" ".join(f"{value:.12g}" for value in row) + "\n" for matrix in matrices for row in matrix[:3])
 
 
-def acquisition(folder: Path, *, frame_poses=True, tool_times=None, spacing=SPACING, probe=None) -> Path:
+def acquisition(folder: Path, *, frame_poses=True, tool_times=None, probe=None) -> Path:
     """What CustusX writes: see its US Acquisition Data File Format."""
     folder.mkdir(exist_ok=True)
     base = folder / "US-Acq_1_20260101T120000_Probe"
     for number, image in enumerate(IMAGES):
-        Path(f"{base}_{number}.raw").write_bytes(image.tobytes())
-        Path(f"{base}_{number}.mhd").write_text(
-            f"ObjectType = Image\nNDims = 3\nElementSpacing = {spacing[0]} {spacing[1]} 1\nDimSize = {COLUMNS} {ROWS} 1\n"
-            f"ElementType = MET_UCHAR\nElementDataFile = {base.name}_{number}.raw\n"
-        )
+        single_frame(Path(f"{base}_{number}.mhd"), image)
     Path(f"{base}.fts").write_text("".join(f"{1700000000000 + 50 * number}\n" for number in range(COUNT)))
     if frame_poses:
         Path(f"{base}.fp").write_text(three_rows(POSES))
@@ -132,11 +129,23 @@ class Bag:
         )
         self.write(topic, "tf2_msgs/msg/TFMessage", seconds, self.make("tf2_msgs/msg/TFMessage", transforms=[stamped]))
 
-    def pose(self, seconds, frame, matrix, topic="/probe/pose_stamped"):
+    def pose(self, seconds, frame, matrix, kind="geometry_msgs/msg/PoseStamped"):
+        """A message that holds a pose, some among other things."""
         position, orientation = self.moved(matrix, "Point")
-        pose = self.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
-        message = self.make("geometry_msgs/msg/PoseStamped", header=self.header(seconds, frame), pose=pose)
-        self.write(topic, "geometry_msgs/msg/PoseStamped", seconds, message)
+        at, header = self.make("geometry_msgs/msg/Pose", position=position, orientation=orientation), self.header(seconds, frame)
+        fields: dict[str, Any] = {"header": header}
+        if kind.endswith("Path"):
+            fields["poses"] = [self.make("geometry_msgs/msg/PoseStamped", header=header, pose=at)]
+        elif kind.endswith("PoseStamped"):
+            fields["pose"] = at
+        else:
+            fields["pose"] = self.make("geometry_msgs/msg/PoseWithCovariance", pose=at, covariance=np.zeros(36))
+        if kind.endswith("Odometry"):
+            still = self.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+            twist = self.make("geometry_msgs/msg/Twist", linear=still, angular=still)
+            fields["twist"] = self.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36))
+            fields["child_frame_id"] = "needle"
+        self.write("/probe/pose", kind, seconds, self.make(kind, **fields))
 
 
 CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ TO_MM

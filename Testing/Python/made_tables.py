@@ -14,8 +14,7 @@ from scipy.spatial.transform import Rotation
 NAMES = [
     "Probe", "Reference", "Stylus", "left", "right", "pos", "rot", "pose", "ref", "tip", "tool", "quat",
     "tool1", "tool2", "body_1", "body_2", "left/probe", "right/probe", "rx", "qx", "tx", "az", "m0", "q1",
-    "mm", "us", "0", "1", "2", "3", "10", "12", "L", "R", "A", "B", "C", "D", "E", "O", "P", "Q", "S", "T",
-    "U", "V", "W", "X", "Y", "Z", "M", "N", "K",
+    "mm", "us", *"0123", "10", "12", *"LRABCDEOPQSTUVWXYZMNK",
 ]  # fmt: skip
 """Of tools; many are words that mean something of a pose."""
 
@@ -46,12 +45,6 @@ class Recording:
     good: np.ndarray
     names: list[str]
     random: np.random.Generator
-
-    def of(self, tool: int) -> tuple[np.ndarray, np.ndarray]:
-        """Truth of a tool: its poses, NaN where they are not good, and times from the first."""
-        poses = self.poses[tool].copy()
-        poses[~self.good[tool]] = np.nan
-        return poses, self.times - self.times[0]
 
 
 def recording(random: np.random.Generator, tools: int, names: Sequence[str] = NAMES) -> Recording:
@@ -104,7 +97,7 @@ def placed(pose) -> list[str]:
 
 def made(r: Recording, lines: Sequence[str], name="poses.csv", poses=None, times=True, **answers: Any) -> Made:
     """The table of the first tool, and what a user answers; `poses` where each is known."""
-    truth = r.of(0)[0] if poses is None else poses
+    truth = np.where(r.good[0][:, None, None], r.poses[0], np.nan) if poses is None else poses
     given = {key: value if isinstance(value, dict) else {key: value} for key, value in answers.items()}
     return Made(truth, r.times - r.times[0] if times else None, "\n".join(lines), name, given)
 

@@ -36,14 +36,8 @@ class PlaneSweep:
             tilt = image_pose((1.0, 1.0), (turn * (number - count / 2), 0.0, 0.0))
             about = np.eye(4)
             about[:3, 3] = [COLUMNS / 2 * spacing[0], 0.0, 0.0]
-            pose = (
-                first
-                @ np.diag([1 / spacing[0], 1 / spacing[1], 2.0, 1.0])
-                @ about
-                @ tilt
-                @ np.linalg.inv(about)
-                @ np.diag([*spacing, 0.5, 1.0])
-            )
+            pixels = np.diag([*spacing, 0.5, 1.0])
+            pose = first @ np.linalg.inv(pixels) @ about @ tilt @ np.linalg.inv(about) @ pixels
             pose[:3, 3] += (number - count / 2) * across
             poses.append(pose)
         self.poses = np.array(poses)

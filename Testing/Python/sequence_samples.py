@@ -75,6 +75,15 @@ def metaimage(
     return path
 
 
+def single_frame(path: Path, image: np.ndarray, spacing: str = "0.2 0.3 1") -> None:
+    """A frame as CustusX and ITK write it: the pixels of a .mhd stand in a file beside it."""
+    raw = path.with_suffix(".raw") if path.suffix == ".mhd" else None
+    if raw is not None:
+        raw.write_bytes(image.tobytes())
+    told: dict[str, str | None] = {"ElementSpacing": spacing, "ElementDataFile": "LOCAL" if raw is None else raw.name}
+    metaimage(path, image[None], {}, data=b"" if raw else None, Kinds=None, UltrasoundImageOrientation=None, **told)
+
+
 def nrrd(
     path: Path,
     pixels: np.ndarray,

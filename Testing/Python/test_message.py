@@ -7,12 +7,10 @@ import pickle
 import re
 from pathlib import Path
 
-import pytest
-
 from AIFReconLib.commands.parser import COMMANDS as COMMANDS_OF_THE_TERMINAL
 from AIFReconLib.commands.parser import parser_of
 from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
-from AIFReconLib.message import COMMANDS, LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, message_of
+from AIFReconLib.message import COMMANDS, LONGEST_SENTENCE, Sentence, advised, as_label, message_of
 from AIFReconLib.terminal.remedies import as_option, in_columns, in_options
 
 LIBRARY = Path(__file__).resolve().parents[2] / "AIFReconLib"
@@ -55,23 +53,19 @@ def test_a_setting_and_its_value_are_written_as_each_door_does():
 LATE = SettingsError("late.", HOLES)
 
 
-@pytest.mark.parametrize(
-    ("said", "expected"),
-    [
-        (Sentence("Two.", CHAIN, chain="AToB"), "Two. Say which one is right, as in --image-to-reference AToB."),
-        (
-            pickle.loads(pickle.dumps(SettingsError("0.", CHAIN, chain="AToB"))),
-            "0. Say which one is right, as in --image-to-reference AToB.",
-        ),
-        (SettingsError(Sentence("late.", HOLES)), "late. Give --hole-limit MM."),
-        (SettingsError("{x}.mha: late.", HOLES), "{x}.mha: late. Give --hole-limit MM."),
-        (OutputError(f"a.mha: {message_of(LATE)}", LATE), "a.mha: late. Give --hole-limit MM."),
-        (OutputError(f"a.mha: {Sentence('late.', HOLES)}", Sentence("late.", HOLES)), "a.mha: late. Give --hole-limit MM."),
-    ],
-    ids=["details", "through a pickle", "an error of a sentence", "braces in a name", "about an error", "about a sentence"],
-)
-def test_the_terminal_says_what_to_do(said, expected):
-    assert in_options(said) == expected
+CHAINED = SettingsError("0.", CHAIN, chain="AToB")
+SAID = {
+    "details": (Sentence("Two.", CHAIN, chain="AToB"), "Two. Say which one is right, as in --image-to-reference AToB."),
+    "through a pickle": (pickle.loads(pickle.dumps(CHAINED)), "0. Say which one is right, as in --image-to-reference AToB."),
+    "an error of a sentence": (SettingsError(Sentence("late.", HOLES)), "late. Give --hole-limit MM."),
+    "braces in a name": (SettingsError("{x}.mha: late.", HOLES), "{x}.mha: late. Give --hole-limit MM."),
+    "about an error": (OutputError(f"a.mha: {message_of(LATE)}", LATE), "a.mha: late. Give --hole-limit MM."),
+    "about a sentence": (OutputError(f"a.mha: {Sentence('late.', HOLES)}", Sentence("late.", HOLES)), "a.mha: late. Give --hole-limit MM."),
+}
+
+
+def test_the_terminal_says_what_to_do():
+    assert {what: in_options(said) for what, (said, _) in SAID.items()} == {what: expected for what, (_, expected) in SAID.items()}
 
 
 def test_what_a_file_holds_cannot_command_a_terminal_nor_fill_it():
@@ -121,25 +115,6 @@ def test_every_command_of_an_advice_is_one():
     assert all(any(f"{{{command}" in text for text in ADVICE) for command in COMMANDS)
     sentence = Sentence("Off.", "See {calibrate}.")
     assert (in_options(sentence), advised(sentence)) == ("Off. See aifrecon calibrate.", "Off. See calibrate.")
-
-
-def names_in(path: Path) -> set[str]:
-    """Functions, classes, parameters, fields and modules of a file of the library."""
-    tree = ast.parse(path.read_text("utf-8"))
-    found = {path.stem}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            found.add(node.name)
-        if isinstance(node, ast.FunctionDef):
-            found |= {each.arg for each in (*node.args.args, *node.args.kwonlyargs)}
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            found.add(node.target.id)
-    return found
-
-
-def test_every_setting_of_an_advice_is_a_name_in_python():
-    known = set().union(*map(names_in, LIBRARY.rglob("*.py")))
-    assert {name for name in named() if re.split("[=(]", as_argument(name))[0].split(".")[-1] not in known} == set()
 
 
 OF_OTHERS = ("--force-reinstall", "rosbags-convert", "--exclude-topic", "{ ")

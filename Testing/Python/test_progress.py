@@ -8,18 +8,13 @@ from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.progress import part, report
 
 
-@pytest.mark.parametrize(("told", "heard"), [(0.25, 0.25), (-0.5, 0.0), (1.5, 1.0)])
-def test_the_listener_hears_the_message_and_a_fraction_between_0_and_1(told, heard):
+@pytest.mark.parametrize(
+    ("share", "told", "heard"), [((0, 1), 0.25, 0.25), ((0, 1), -0.5, 0), ((0, 1), 1.5, 1), ((0.2, 0.4), 0, 0.2), ((0.2, 0.4), 0.5, 0.3)]
+)
+def test_the_listener_hears_the_message_and_a_fraction_between_0_and_1_of_a_part_within_its_share(share, told, heard):
     calls = []
-    report(lambda *call: calls.append(call), told, "Working")
-    assert calls == [(heard, "Working")]
-
-
-@pytest.mark.parametrize(("inner", "outer"), [(0.0, 0.2), (0.5, 0.3), (1.0, 0.4)])
-def test_a_part_fills_its_share_of_the_whole(inner, outer):
-    calls = []
-    report(part(lambda *call: calls.append(call), 0.2, 0.4), inner, "Working")
-    assert calls[0][0] == pytest.approx(outer)
+    report(part(lambda *call: calls.append(call), *share), told, "Working")
+    assert calls == [(pytest.approx(heard), "Working")]
 
 
 @pytest.mark.parametrize("listener", [lambda *_: False, part(part(lambda *_: False, 0.2, 0.4), 0.5, 1.0)], ids=["whole", "part of a part"])

@@ -19,11 +19,6 @@ NUMBERS = [name for name, spec in FIELDS.items() if spec.metadata["kind"] in (NU
 LISTS = [name for name, spec in FIELDS.items() if spec.metadata["kind"] in (LIST_OF_NUMBERS, MATRIX)]
 
 
-def test_every_default_is_allowed():
-    assert ReconstructionSettings(**{name: spec.default for name, spec in FIELDS.items()}) == ReconstructionSettings()
-    assert [ReconstructionSettings().method_for(has_bone) for has_bone in (True, False)] == ["weighted", "average"]
-
-
 @pytest.mark.parametrize(("name", "rule"), BOUNDED)
 def test_both_ends_of_a_range_belong_to_it(name, rule):
     for bound in (rule["minimum"], rule["maximum"]):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sweeps import rigid
 
 from AIFReconLib.errors import VolumeFormatError
 from AIFReconLib.geometry.volume import Volume
@@ -14,14 +15,7 @@ from AIFReconLib.io.volume.files import read_volume
 
 def oblique_matrix(spacing=(0.5, 0.7, 1.1), mirrored: bool = False) -> np.ndarray:
     """A rotated, anisotropic ijk_to_reference, mm."""
-    rotation, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
-    rotation *= np.linalg.det(rotation)
-    if mirrored:
-        rotation[:, 2] *= -1
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation * spacing
-    matrix[:3, 3] = (10.0, -20.0, 30.5)
-    return matrix
+    return rigid((35.0, -60.0, 110.0), (10.0, -20.0, 30.5)) @ np.diag([*spacing[:2], -spacing[2] if mirrored else spacing[2], 1.0])
 
 
 def noise_volume(dtype="u1", mirrored: bool = False) -> Volume:

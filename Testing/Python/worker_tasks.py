@@ -15,16 +15,6 @@ from AIFReconLib.errors import GeometryError, OperationCanceled
 from AIFReconLib.progress import Progress, report
 
 
-def double_or_die(number: int) -> int:
-    """Twice the number; one below 0 ends the process."""
-    if number < 0:
-        os._exit(1)
-    return 2 * number
-
-
-# ---- for AIFReconLib/worker
-
-
 def answered(*arguments: object, **named: object) -> tuple[tuple[object, ...], dict[str, object]]:
     """What came."""
     return arguments, named

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 
 import pytest
-from files import write_patient
 
 from AIFReconLib.batch import case as module
 from AIFReconLib.batch.case import carry_out
@@ -15,17 +14,7 @@ from AIFReconLib.batch.results import results_table
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
 
-HEAD = "case,sweeps,config,spacing,preview\n"
 needs_links = pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
-
-
-@pytest.fixture
-def lab(tmp_path):
-    """A folder whose patient P1 lies as docs/cohorts.md has it."""
-    (tmp_path / "P1").mkdir()
-    write_patient(tmp_path / "P1")
-    (tmp_path / "cases.csv").write_text(HEAD + "P1,P1/sweep.igs.mha,P1/PlusDeviceSet.xml,1,no\n")
-    return tmp_path
 
 
 def first_case(lab):

@@ -129,7 +129,7 @@ def dicom_series(
             headers[name] = value and value.split("\\")
         if k != without:
             path = folder / f"{'' if series == '1.2.3.4' else series + '-'}slice-{(7 * k) % 100:03d}.dcm"
-            write_dicom(pydicom, path, plane, **{name: value for name, value in headers.items() if value is not None})
+            write_dicom(path, plane, **{name: value for name, value in headers.items() if value is not None})
     return folder
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -47,8 +46,8 @@ def calibrate(patient, config, *options) -> int:
 def done(patient, wrong):
     """The folder of a calibration that was made."""
     folder = patient.configuration.parent
-    options = ("--preview", folder / "new.png") if find_spec("matplotlib") else ()
-    assert calibrate(patient, wrong, "--output", folder / "New.xml", "--report", folder / "new.json", *options) == 0
+    outputs = ("--output", folder / "New.xml", "--report", folder / "new.json", "--preview", folder / "new.png")
+    assert calibrate(patient, wrong, *outputs) == 0
     return folder
 
 
@@ -80,10 +79,8 @@ def test_without_a_ct_crossing_frames_calibrate(patient, wrong, tmp_path, capsys
     if sure:
         monkeypatch.setattr(crossing, "GAIN", 1.0)
         monkeypatch.setattr(mending, "HALVES_APART", 5.0)
-    words = [patient.sequence, "--config", wrong, "--output", new, "--report", report]
-    assert main(["calibrate", *map(str, words), *(("--preview", str(tmp_path / "new.png")) if find_spec("matplotlib") else ())]) == (
-        not sure
-    )
+    words = [patient.sequence, "--config", wrong, "--output", new, "--report", report, "--preview", tmp_path / "new.png"]
+    assert main(["calibrate", *map(str, words)]) == (not sure)
     said = capsys.readouterr()
     assert "without a CT" in said.out
     between = json.loads(report.read_text())["between_angles_mm"]

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import warnings
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -31,10 +32,7 @@ def test_simulated_files_replace_none_that_were_not_simulated(command, name, tmp
 
 
 def test_a_full_disk_leaves_no_file(patient, results, capsys, monkeypatch):
-    def full(*_):
-        raise OSError(28, os.strerror(28))
-
-    monkeypatch.setattr(os, "fsync", full)
+    monkeypatch.setattr(os, "fsync", Mock(side_effect=OSError(28, os.strerror(28))))
     assert "disk is full" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
 
 

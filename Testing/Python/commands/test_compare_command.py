@@ -6,8 +6,6 @@ import pytest
 
 from AIFReconLib.commands.parser import main
 
-pytest.importorskip("matplotlib", reason="matplotlib is not installed")
-
 BEGINS = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
 
 

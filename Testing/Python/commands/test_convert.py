@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from files import CONFIGURATION, IMAGE_TO_PROBE, refused, tracked_sequence, write_patient
-from late_sweeps import late_sweep, one_way
+from files import IMAGE_TO_PROBE, refused, tracked_sequence, write_configuration, write_patient
+from late_sweeps import late_sweep
 from sequence_samples import assert_same_records
 from sweeps import rigid
 
@@ -29,11 +29,6 @@ from AIFReconLib.sweep.poses import sweep_poses
 
 IMAGE_TO_PROBE_NAME, IMAGE_TO_REFERENCE = TransformName("Image", "Probe"), TransformName("Image", "Reference")
 WRONG = rigid((8.0, 3.0, -6.0), (4.0, 9.0, -3.0)) @ np.diag([0.3, 0.6, 0.45, 1.0])
-
-
-def xml(path, matrix=IMAGE_TO_PROBE):
-    path.write_text(CONFIGURATION.format(matrix=" ".join(map(repr, np.asarray(matrix).ravel().tolist())), spacing="1 1 1"))
-    return path
 
 
 def add_transform(path, source, target):
@@ -133,7 +128,7 @@ def test_a_wrong_calibration_in_the_recording_is_mended(tmp_path, results, kind)
     write_sequence(wrong, tmp_path / "wrong.mha")
     right = tmp_path / f"right.{kind}"
     if kind == "xml":
-        xml(right)
+        write_configuration(right)
     elif kind == "tfm":
         write_transform(IMAGE_TO_PROBE, right)
     else:
@@ -157,7 +152,8 @@ def placed_sequence(calibration) -> TrackedSequence:
 
 def test_a_wrong_calibration_within_recorded_poses_is_mended(tmp_path):
     write_sequence(placed_sequence(WRONG), tmp_path / "wrong.mha")
-    options = ("--calibration", xml(tmp_path / "right.xml"), "--wrong-calibration", xml(tmp_path / "wrong.xml", WRONG))
+    right, wrong = write_configuration(tmp_path / "right.xml"), write_configuration(tmp_path / "wrong.xml", matrix=WRONG)
+    options = ("--calibration", right, "--wrong-calibration", wrong)
     mended = convert(tmp_path / "wrong.mha", tmp_path / "mended.mha", *options)
     expected = sweep_poses(placed_sequence(IMAGE_TO_PROBE)).image_to_reference
     np.testing.assert_allclose(sweep_poses(mended).image_to_reference, expected, atol=1e-9)
@@ -173,17 +169,17 @@ def test_slicers_sequences_become_one_recording(tmp_path):
 
 def test_poses_with_an_unknown_calibration_in_them_are_not_touched(tmp_path, results, capsys):
     write_sequence(placed_sequence(WRONG), tmp_path / "wrong.mha")
-    arguments = ["convert", tmp_path / "wrong.mha", results / "s.mha", "--calibration", xml(tmp_path / "right.xml")]
+    arguments = ["convert", tmp_path / "wrong.mha", results / "s.mha", "--calibration", write_configuration(tmp_path / "right.xml")]
     assert "its ImageToReference includes the calibration that it was recorded with" in refused(arguments, capsys, results)
 
 
 def test_of_a_configuration_the_calibration_of_the_image_is_taken_and_of_two_it_is_asked_which(tmp_path):
-    path = xml(tmp_path / "c.xml")
+    path = write_configuration(tmp_path / "c.xml")
     add_transform(path, "Needle", "Probe")
     name, matrix = read_calibration(path)
     assert name == IMAGE_TO_PROBE_NAME
     np.testing.assert_array_equal(matrix, IMAGE_TO_PROBE)
-    add_transform(xml(path), "Image", "Needle")
+    add_transform(write_configuration(path), "Image", "Needle")
     with pytest.raises(FileFormatError, match="one transform from Image; got ImageToProbe, ImageToNeedle"):
         read_calibration(path)
     np.testing.assert_array_equal(read_calibration(path, TransformName("Image", "Needle"))[1], np.eye(4))
@@ -208,11 +204,3 @@ def test_an_offset_is_found_and_applied_in_one_run(tmp_path, capsys):
     assert re.search(r"Poses are those of 0\.(19|20|21)\d* s after each image's time stamp", capsys.readouterr().out)
     mended = read_sequence(tmp_path / "mended.mha")
     assert "in step" in estimate_time_offset(mended, sweep_poses(mended)).to_text()
-
-
-def test_an_offset_that_the_sweep_does_not_tell_is_refused(tmp_path, capsys):
-    write_sequence(late_sweep(one_way), tmp_path / "way.mha")
-    (tmp_path / "out").mkdir()
-    message = refused(["convert", tmp_path / "way.mha", tmp_path / "out" / "mended.mha", "--time-offset", "auto"], capsys, tmp_path / "out")
-    assert "does not go back over the same place" in message
-    assert "Give --time-offset S, or leave it out." in message

@@ -28,7 +28,7 @@ OPTIONS = {
         *("--breathing 2", "--shifting 2", "--step 3"),
     ),
     f"reconstruct {SWEEP} --spacing 3 --output {{out}}/v.dcm": ("--dicom-study {folder}/study.dcm", "--score {out}/s.nrrd"),
-    "bone-map {folder}/L3.stl --bone-space ras --quiet --output {out}/p.nrrd": ("--bone-space lps", "--bone-unit cm"),
+    "bone-map {folder}/L3.obj --bone-space ras --quiet --output {out}/p.nrrd": ("--bone-space lps", "--bone-unit cm"),
     f"register {SWEEP} {BONE} --output {{out}}/t.tfm": ("--per-segment",),
     f"register {SWEEP} --bone-labels {{stranger}} --output {{out}}/t.tfm": ("--accept",),
     f"coverage {SWEEP} {BONE} --report {{out}}/c.json": ("--beam-thickness 9",),
@@ -60,12 +60,7 @@ def files(tmp_path_factory):
     given = {"folder": folder, "stranger": stranger.labels, **words}
     made = f"reconstruct {SWEEP} {BONE} --spacing 2 --quiet --output {{folder}}/"
     assert run(f"{made}volume.nrrd", given)[0] == run(f"{made}study.dcm", given)[0] == 0
-    corners = np.array([(0, 0, 0), (30, 0, 0), (0, 20, 0), (0, 0, 25)])
-    facets = "".join(
-        "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in corners[list(each)]) + "endloop\nendfacet\n"
-        for each in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
-    )
-    (folder / "L3.stl").write_text(f"solid L3\n{facets}endsolid L3\n")
+    (folder / "L3.obj").write_text("v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 25\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
     rows = (f"P{n},{method},{cnr + n / 10},0.5,1000,bone,v.nrrd" for n in range(5) for method, cnr in (("average", 1.0), ("weighted", 3.0)))
     (folder / "results.csv").write_text("\n".join(["case,method,bone_cnr,bone_coverage,bone_area,yardstick,volume", *rows]) + "\n")
     np.save(folder / "frames.npy", np.random.default_rng(0).integers(0, 255, (8, 24, 32), np.uint8))

@@ -5,12 +5,9 @@ from __future__ import annotations
 import sys
 
 import numpy as np
-import pytest
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.io.transform.files import write_transform
-
-pytest.importorskip("matplotlib", reason="matplotlib is not installed")
 
 
 def is_png(path) -> bool:

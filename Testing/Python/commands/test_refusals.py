@@ -6,8 +6,9 @@ import shlex
 
 import numpy as np
 import pytest
-import SimpleITK as sitk
+from dicom_samples import write_dicom
 from files import refused, tracked_sequence, write_patient
+from late_sweeps import late_sweep, one_way
 from made_recordings import acquisition
 from sweeps import rigid
 
@@ -74,6 +75,11 @@ REFUSED = {
     f"{OUT} --hits out/v.nrrd": "another output",
     f"{OUT} --log cases.csv": "Cannot log to cases.csv: it is there and is no log.",
     f"{OUT} --log no/log.txt": "does not exist",
+    f"{OUT} --holes stick --hole-limit 0": "hole_limit must be above 0 mm",
+    f"{OUT} --importance-mask none.png": "none.png: there is no such file",
+    f"{OUT} --pixel-rejection -3": "pixel_rejection must be at least 0",
+    f"{OUT} -q --reference Nowhere": "Nothing says where Image lies in Nowhere.",
+    "convert way.mha out/s.mha --time-offset auto": "does not go back over the same place",
     f"{OUT} --dicom-study labels.nrrd": "--dicom-study is for an output that ends with .dcm",
     "evaluate far.nrrd --bone labels.nrrd --csv labels.nrrd": "would overwrite an input",
     "evaluate far.nrrd --bone labels.nrrd --csv ct.nrrd": "Choose a name that ends with .csv",
@@ -153,6 +159,7 @@ def made(tmp_path_factory):
     Volume(np.zeros((4, 4, 4), np.uint8), rigid(translation=(900, 0, 0))).write(here / "far.nrrd")
     Volume(np.full((4, 4, 4), -10, np.int16), np.eye(4)).write(here / "ct.nrrd")
     write_sequence(tracked_sequence(), here / "scan.mhd")
+    write_sequence(late_sweep(one_way), here / "way.mha")
     (here / "scan.zraw").rename(here / "frames.zraw")
     (here / "same.igs.mha").hardlink_to(here / "sweep.igs.mha")
     acquisition(here / "acquired")
@@ -169,15 +176,10 @@ def made(tmp_path_factory):
         "pictures/1.png": "image",
     }.items():
         (here / name).write_text(text, "utf-8")
-    series = sitk.ImageFileWriter()
-    series.KeepOriginalImageUIDOn()
+    of_ct = {"Modality": "CT", "SeriesInstanceUID": "1.2.3", "PixelSpacing": [1, 1], "ImageOrientationPatient": [1, 0, 0, 0, 1, 0]}
     for number in range(4):
-        image = sitk.GetImageFromArray(np.zeros((8, 8), np.int16))
-        tags = {"0008|0060": "CT", "0020|000e": "1.2.3", "0020|000d": "1.2", "0008|0018": f"1.2.3.{number}"}
-        for tag, value in {**tags, "0020|0032": f"0\\0\\{number}", "0020|0013": str(number)}.items():
-            image.SetMetaData(tag, value)
-        series.SetFileName(str(here / f"{number}.dcm"))
-        series.Execute(image)
+        place = {"SOPInstanceUID": f"1.2.3.{number}", "ImagePositionPatient": [0, 0, number]}
+        write_dicom(here / f"{number}.dcm", np.zeros((8, 8), np.int16), **of_ct, **place)
     return here
 
 

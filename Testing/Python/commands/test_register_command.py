@@ -6,7 +6,6 @@ import csv
 import json
 import shlex
 from dataclasses import replace
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -48,10 +47,9 @@ def done(patient, tmp_path_factory):
     folder = tmp_path_factory.mktemp("done")
     rough = random_rigid(8.0, 6.0, np.random.default_rng(0), about=patient.center_ras) @ read_transform(patient.ct_to_reference)
     write_transform(rough, folder / "rough.tfm")
-    options = ("--bone-transform", folder / "rough.tfm", "--report", folder / "report.json", *("--labels-output", folder / "placed.nrrd"))
-    if find_spec("vtkmodules"):
-        options = (*options, "--labels-output", folder / "placed.vtp")
-    assert command(patient, folder / "found.tfm", *options) == 0
+    placed = [word for name in ("placed.nrrd", "placed.vtp") for word in ("--labels-output", folder / name)]
+    start = ("--bone-transform", folder / "rough.tfm", "--report", folder / "report.json")
+    assert command(patient, folder / "found.tfm", *start, *placed) == 0
     return folder
 
 
@@ -70,10 +68,9 @@ def test_placed_labels_and_their_surface_lie_where_the_transform_puts_them(patie
     expected = labels.placed_by(read_transform(done / "found.tfm"))
     np.testing.assert_allclose(placed.ijk_to_reference, expected.ijk_to_reference, atol=1e-4)
     np.testing.assert_array_equal(placed.array, labels.array)
-    if find_spec("vtkmodules"):
-        surface = read_model(done / "placed.vtp").points
-        points = transform_points(placed.ijk_to_reference, np.argwhere(placed.array > 0)[:, ::-1].astype(float))
-        np.testing.assert_allclose([surface.min(0), surface.max(0)], [points.min(0), points.max(0)], atol=1.0)
+    surface = read_model(done / "placed.vtp").points
+    points = transform_points(placed.ijk_to_reference, np.argwhere(placed.array > 0)[:, ::-1].astype(float))
+    np.testing.assert_allclose([surface.min(0), surface.max(0)], [points.min(0), points.max(0)], atol=1.0)
 
 
 def test_a_case_of_a_batch_is_registered_to_the_same_transform(patient, done, tmp_path):

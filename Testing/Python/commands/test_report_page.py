@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
-
 from AIFReconLib.commands.parser import main
-
-pytest.importorskip("matplotlib", reason="matplotlib is not installed")
 
 
 def page_of(command, results) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 
 import numpy as np
@@ -57,15 +56,6 @@ def test_how_the_bone_map_was_made_is_repeated(sigma, make, patient, results):
     files = ["--bone-labels", patient.labels, "--bone-transform", patient.transform]
     once = make("kept", *files, *sigma, "--alpha", "3", "--bone-direction", "surface")
     assert_same(once, make("again", *files, "--settings", results / "kept.nrrd"))
-
-
-def test_settings_are_written_alike_as_json_and_as_toml(make, results):
-    tomllib = pytest.importorskip("tomllib")
-    make("a", "--reference", "Tracker", "--save-settings", results / "s.json")
-    make("b", "--settings", results / "s.json", "--save-settings", results / "s.toml")
-    read = json.loads((results / "s.json").read_text())
-    assert read == tomllib.loads((results / "s.toml").read_text())
-    assert (read["version"], read["method"], read["reference"]) == (__version__, "average", "Tracker")
 
 
 # ---- options given beside it

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -17,13 +18,9 @@ def content_of(folder) -> dict[str, str]:
     return {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()}
 
 
-def fail_with(code: int):
+def fail_with(code: int) -> Mock:
     """A function that fails as the system would."""
-
-    def fail(*_args, **_keywords):
-        raise OSError(code, os.strerror(code))
-
-    return fail
+    return Mock(side_effect=OSError(code, os.strerror(code)))
 
 
 def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
@@ -34,25 +31,22 @@ def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
     assert content_of(tmp_path) == {"a.mhd": "old"}
 
 
-@pytest.mark.parametrize(
-    ("code", "expected"),
-    [
-        (errno.ENOSPC, "the disk is full. Free some space"),
-        (errno.EACCES, "no permission"),
-        (errno.EROFS, "Read-only file system"),
-        (errno.EIO, "Input/output error. Choose another path"),
-        (errno.EMFILE, "too many files are open"),
-        (errno.EBUSY, "Choose another path"),
-    ],
-)
-def test_a_system_error_becomes_an_output_error_and_leaves_nothing(tmp_path, code, expected):
-    def run_into_it():
-        with atomic_output(tmp_path / "a.txt") as temporary:
-            temporary.write_text("half", encoding="utf-8")
-            fail_with(code)()
+ERRORS = {
+    errno.ENOSPC: "the disk is full. Free some space",
+    errno.EACCES: "no permission",
+    errno.EROFS: "Read-only file system",
+    errno.EIO: "Input/output error. Choose another path",
+    errno.EMFILE: "too many files are open",
+    errno.EBUSY: "Choose another path",
+}
 
-    with pytest.raises(OutputError, match=expected) as caught:
-        run_into_it()
+
+@pytest.mark.parametrize(("code", "expected"), ERRORS.items())
+def test_a_system_error_becomes_an_output_error_and_leaves_nothing(tmp_path, code, expected):
+    refused = pytest.raises(OutputError, match=expected)
+    with refused as caught, atomic_output(tmp_path / "a.txt") as temporary:
+        temporary.write_text("half", encoding="utf-8")
+        fail_with(code)()
     assert str(tmp_path / "a.txt") in str(caught.value)
     assert list(tmp_path.iterdir()) == []
 

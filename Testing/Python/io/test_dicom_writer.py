@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pydicom
 import pytest
 import SimpleITK as sitk
 from dicom_samples import write_dicom
@@ -13,8 +14,6 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume import dicom_writer
 from AIFReconLib.io.volume.files import check_volume_path, read_volume, write_volume
 from AIFReconLib.io.volume.itk_images import from_sitk
-
-pydicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
 
 PLACE = rigid((20.0, 10.0, 30.0), (-12.0, -13.0, -11.0)) @ np.diag([0.5, 0.7, 0.9, 1.0])
 
@@ -44,7 +43,7 @@ def test_it_joins_the_study_of_the_ct(tmp_path):
     (tmp_path / "ct" / "a.txt").write_text("no DICOM")
     named = {"Modality": "CT", "PatientName": "Doe^Jane", "PatientID": "7"}
     uids = {name: pydicom.uid.generate_uid() for name in ("StudyInstanceUID", "FrameOfReferenceUID", "SeriesInstanceUID")}
-    ct = pydicom.dcmread(write_dicom(pydicom, tmp_path / "ct" / "slice.dcm", np.zeros((4, 4), np.uint8), **named, **uids))
+    ct = pydicom.dcmread(write_dicom(tmp_path / "ct" / "slice.dcm", np.zeros((4, 4), np.uint8), **named, **uids))
     write_volume(volume(), tmp_path / "v.dcm", tmp_path / "ct")
     data = pydicom.dcmread(tmp_path / "v.dcm")
     for name in ("PatientName", "PatientID", "StudyInstanceUID"):

@@ -8,8 +8,11 @@ import subprocess
 import zlib
 
 import numpy as np
+import PIL.Image as pil
+import pydicom as dicom
 import pytest
 from dicom_samples import write_dicom
+from made_pictures import write_pictures
 
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.io.foreign.openers import open_images
@@ -17,39 +20,21 @@ from AIFReconLib.io.foreign.openers import open_images
 FRAMES = np.random.default_rng(0).integers(0, 256, (11, 12, 17), dtype=np.uint8)
 
 
-@pytest.fixture
-def pil():
-    return pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-
-
-@pytest.fixture
-def dicom():
-    return pytest.importorskip("pydicom", reason="pydicom is not installed")
-
-
-def write_pictures(pil, folder, frames=FRAMES, suffix=".png"):
-    folder.mkdir(exist_ok=True)
-    for n, frame in enumerate(frames):
-        pil.fromarray(frame).save(folder / f"frame{n}{suffix}")
-    return folder
-
-
 @pytest.mark.parametrize("suffix", [".png", ".tif", ".bmp"])
-def test_pictures_of_a_folder_come_in_natural_order_with_every_gray_level(pil, tmp_path, suffix):
-    found = open_images([write_pictures(pil, tmp_path / "frames", suffix=suffix)])
+def test_pictures_of_a_folder_come_in_natural_order_with_every_gray_level(tmp_path, suffix):
+    found = open_images([write_pictures(tmp_path / "frames", FRAMES, suffix)])
     np.testing.assert_array_equal(np.array([found.stack[n] for n in range(11)]), FRAMES)
-    assert found.names == tuple(f"frame{n}{suffix}" for n in range(11))
+    assert found.names == tuple(f"{n}{suffix}" for n in range(11))
 
 
-def test_a_picture_of_another_size_is_named(pil, tmp_path):
-    folder = write_pictures(pil, tmp_path / "frames")
-    pil.fromarray(np.zeros((5, 5), np.uint8)).save(folder / "frame3.png")
-    with pytest.raises(FileFormatError, match=r"frame3\.png: every frame must have 17 x 12 pixels, uint8 as the first; got 5 x 5"):
+def test_a_picture_of_another_size_is_named(tmp_path):
+    folder = write_pictures(tmp_path / "frames", [*FRAMES[:3], np.zeros((5, 5), np.uint8)])
+    with pytest.raises(FileFormatError, match=r"3\.png: every frame must have 17 x 12 pixels, uint8 as the first; got 5 x 5"):
         open_images([folder]).stack[3]
 
 
 @pytest.mark.parametrize("kept", [0, 8, 100, -30])
-def test_a_damaged_picture_is_named(pil, tmp_path, kept):
+def test_a_damaged_picture_is_named(tmp_path, kept):
     pil.fromarray(FRAMES[0]).save(tmp_path / "a.png")
     (tmp_path / "a.png").write_bytes((tmp_path / "a.png").read_bytes()[:kept])
     with pytest.raises(FileFormatError, match=r"a\.png: it cannot be read as a picture"):
@@ -76,15 +61,15 @@ def test_an_array_that_is_no_sweep_is_refused(tmp_path, array, message):
         open_images([tmp_path / "a.npy"])
 
 
-@pytest.mark.parametrize(
-    ("said", "times"),
-    [({"FrameTime": 40.0}, [0.0, 0.04, 0.08]), ({"FrameTimeVector": [0, 40, 60]}, [0.0, 0.04, 0.1])],
-    ids=["one", "a vector"],
-)
-def test_the_frames_of_one_dicom_file_have_their_times_and_pixel_size(dicom, tmp_path, said, times):
-    item = region(dicom, 0.2)
+TIMES = {"FrameTime": (40.0, [0.0, 0.04, 0.08]), "FrameTimeVector": ([0, 40, 60], [0.0, 0.04, 0.1])}
+
+
+@pytest.mark.parametrize("name", TIMES)
+def test_the_frames_of_one_dicom_file_have_their_times_and_pixel_size(tmp_path, name):
+    said, times = TIMES[name]
+    item = region(0.2)
     item.PhysicalDeltaY = 0.03
-    found = open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[:3], **said, **regions(dicom, item))])
+    found = open_images([write_dicom(tmp_path / "a.dcm", FRAMES[:3], **{name: said}, **regions(item))])
     np.testing.assert_array_equal(np.array([found.stack[n] for n in (2, 0)]), FRAMES[[2, 0]])
     np.testing.assert_allclose(found.times, times)
     assert found.spacing == pytest.approx((0.2, 0.3))
@@ -98,9 +83,9 @@ def test_the_frames_of_one_dicom_file_have_their_times_and_pixel_size(dicom, tmp
         ({}, "c.dcm says 0.25 x 0.5 mm, a.dcm says nothing"),
     ],
 )
-def test_dicom_files_of_one_frame_come_in_order_of_their_instance_with_the_size_of_a_pixel(dicom, tmp_path, second, said):
+def test_dicom_files_of_one_frame_come_in_order_of_their_instance_with_the_size_of_a_pixel(tmp_path, second, said):
     for n, (name, spacing) in enumerate((("c", {"PixelSpacing": [0.5, 0.25]}), ("a", second), ("b", second))):
-        write_dicom(dicom, tmp_path / f"{name}.dcm", FRAMES[n], InstanceNumber=n + 1, **spacing)
+        write_dicom(tmp_path / f"{name}.dcm", FRAMES[n], InstanceNumber=n + 1, **spacing)
     found = open_images([tmp_path])
     assert found.names == ("c.dcm", "a.dcm", "b.dcm")
     np.testing.assert_array_equal(found.stack[1], FRAMES[1])
@@ -108,7 +93,7 @@ def test_dicom_files_of_one_frame_come_in_order_of_their_instance_with_the_size_
     assert said is None or found.unknown_spacing.startswith(said)
 
 
-def region(dicom, mm: float, *box: int):
+def region(mm: float, *box: int):
     """An ultrasound region in cm; its box is first column and row, last column and row."""
     item = dicom.dataset.Dataset()
     item.PhysicalUnitsXDirection = item.PhysicalUnitsYDirection = 3
@@ -118,7 +103,7 @@ def region(dicom, mm: float, *box: int):
     return item
 
 
-def regions(dicom, *items) -> dict:
+def regions(*items) -> dict:
     return {"SequenceOfUltrasoundRegions": dicom.sequence.Sequence(items)}
 
 
@@ -134,9 +119,9 @@ def regions(dicom, *items) -> dict:
         ([(0.2, (0, 0, 7, 11))], "0.2 x 0.2 mm is the size of pixels in columns 0 to 7 and rows 0 to 11, not of the whole"),
     ],
 )
-def test_regions_tell_the_size_of_all_pixels_or_why_not(dicom, tmp_path, boxes, expected):
-    found = regions(dicom, *(region(dicom, mm, *box) for mm, box in boxes))
-    images = open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], **found)])
+def test_regions_tell_the_size_of_all_pixels_or_why_not(tmp_path, boxes, expected):
+    found = regions(*(region(mm, *box) for mm, box in boxes))
+    images = open_images([write_dicom(tmp_path / "a.dcm", FRAMES[0], **found)])
     assert images.spacing == (pytest.approx((0.2, 0.2)) if expected is None else None)
     assert expected is None or re.search(f"^{re.escape(str(tmp_path))}/a.dcm: .*{expected}", images.unknown_spacing)
 
@@ -152,9 +137,9 @@ UNORDERED = "InstanceNumber is missing, or occurs more than once"
         ((1, 2), ("1.2", "1.3"), "the files are of 2 series, each with an order of its own"),
     ],
 )
-def test_an_order_that_the_files_do_not_tell_is_not_known(dicom, tmp_path, numbers, series, expected):
+def test_an_order_that_the_files_do_not_tell_is_not_known(tmp_path, numbers, series, expected):
     for number, uid, name, frame in zip(numbers, series, "ab", FRAMES):
-        write_dicom(dicom, tmp_path / f"{name}.dcm", frame, InstanceNumber=number, SeriesInstanceUID=uid)
+        write_dicom(tmp_path / f"{name}.dcm", frame, InstanceNumber=number, SeriesInstanceUID=uid)
     assert open_images([tmp_path]).unknown_order == expected
 
 
@@ -165,13 +150,13 @@ def test_an_order_that_the_files_do_not_tell_is_not_known(dicom, tmp_path, numbe
         ({"Rows": 60000, "Columns": 60000}, "pixels cannot be decoded"),
     ],
 )
-def test_a_dicom_file_that_promises_more_than_it_holds_is_refused(dicom, tmp_path, said, words):
+def test_a_dicom_file_that_promises_more_than_it_holds_is_refused(tmp_path, said, words):
     with pytest.raises(FileFormatError, match=words):
-        open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[:2], **said)])
+        open_images([write_dicom(tmp_path / "a.dcm", FRAMES[:2], **said)])
 
 
 @pytest.mark.parametrize("bits", [8, 16, None])
-def test_a_palette_of_a_dicom_file_is_looked_up_and_white_may_be_its_least_value(dicom, tmp_path, bits):
+def test_a_palette_of_a_dicom_file_is_looked_up_and_white_may_be_its_least_value(tmp_path, bits):
     """Of a palette that turns gray levels round, the picture counts and not the numbers that are stored."""
     levels = np.arange(256)[::-1]
     table = (levels * 257).astype("<u2").tobytes() if bits == 16 else levels.astype(np.uint8).tobytes()
@@ -179,7 +164,7 @@ def test_a_palette_of_a_dicom_file_is_looked_up_and_white_may_be_its_least_value
     for color in ("Red", "Green", "Blue") if bits else ():
         said[f"{color}PaletteColorLookupTableDescriptor"] = [256, 0, bits]
         said[f"{color}PaletteColorLookupTableData"] = table
-    path = write_dicom(dicom, tmp_path / "a.dcm", 255 - FRAMES, **said)
+    path = write_dicom(tmp_path / "a.dcm", 255 - FRAMES, **said)
     np.testing.assert_allclose(np.asarray(open_images([path]).stack), FRAMES, atol=1 if bits else 0)
 
 
@@ -220,7 +205,7 @@ def test_a_package_that_is_missing_is_named_with_the_way_to_get_it(tmp_path, mon
 # ---- small files that ask for hours and gigabytes
 
 
-def test_a_picture_that_says_it_has_billions_of_pages_is_refused(pil, tmp_path):
+def test_a_picture_that_says_it_has_billions_of_pages_is_refused(tmp_path):
     path = tmp_path / "a.png"
     pil.fromarray(FRAMES[0]).save(path, save_all=True, append_images=[pil.fromarray(FRAMES[1])])
     data = path.read_bytes()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+from unittest.mock import Mock
 
 import pytest
 
@@ -55,21 +56,12 @@ def at_step(monkeypatch, step: int, then, before: bool) -> None:
         monkeypatch.setattr(os, name, watched(getattr(os, name)))
 
 
-def failing(exception):
-    """What a step ends with."""
-
-    def fail():
-        raise exception
-
-    return fail
-
-
 @pytest.mark.parametrize("before", [True, False], ids=["not done", "done although it fails"])
 @pytest.mark.parametrize("exception", [KeyboardInterrupt(), OSError(5, "no answer")], ids=["Ctrl-C", "a failing disk"])
 @pytest.mark.parametrize("step", range(STEPS))
 def test_wherever_it_ends_the_header_names_data_of_its_own_version_and_the_next_write_leaves_nothing(older, step, exception, before):
     with pytest.MonkeyPatch.context() as patched:
-        at_step(patched, step, failing(exception), before)
+        at_step(patched, step, Mock(side_effect=exception), before)
         with contextlib.suppress(KeyboardInterrupt, OutputError):
             write_pair(older, "new")
     assert read_pair(older) in (("old", "old"), ("new", "new"))

@@ -74,16 +74,15 @@ def test_each_question_names_its_option_and_the_answers_there_are_and_the_answer
 RIGID, TINY = "1 0 0 -32 0 0 -1 12 0 1 0 80 0 0 0 1", "0.0002 0 0 0 0 0.0002 0 0 0 0 0.0002 0 0 0 0 1"
 
 
-@pytest.mark.parametrize(
-    ("matrix", "given", "name"),
-    [
-        (RIGID, {}, "spacing"),
-        (TINY, {}, "calibration_unit"),
-        (RIGID, {"spacing": (0.2, 0.2)}, None),
-        (TINY, {"calibration_unit": "m"}, None),
-    ],
-    ids=["without the size of a pixel", "in meters", "with its pixels", "with its unit"],
-)
+CALIBRATIONS = {
+    "without the size of a pixel": (RIGID, {}, "spacing"),
+    "in meters": (TINY, {}, "calibration_unit"),
+    "with its pixels": (RIGID, {"spacing": (0.2, 0.2)}, None),
+    "with its unit": (TINY, {"calibration_unit": "m"}, None),
+}
+
+
+@pytest.mark.parametrize(("matrix", "given", "name"), CALIBRATIONS.values(), ids=CALIBRATIONS)
 def test_a_calibration_that_makes_no_image_of_a_probe_is_asked_about(images, matrix, given, name):
     np.save(images, np.tile(np.load(images), (1, 10, 10)))
     (images.with_name("calibration.txt")).write_text(matrix)

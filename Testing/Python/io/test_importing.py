@@ -1,22 +1,21 @@
-"""`aifrecon import`: exported frames and poses give the volume of the recording they are from, whatever the way they were written."""
+"""`aifrecon import`: exported frames and poses give the recording they are from, whatever the way they were written."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from dicom_samples import write_dicom
 from files import IMAGE_TO_PROBE, SPACING, refused, tracked_sequence
 from late_sweeps import late_sweep
+from made_pictures import write_pictures
 from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.poses import sweep_poses
 
 SEQUENCE = tracked_sequence()
@@ -59,15 +58,6 @@ def calibration(tmp_path):
     return tmp_path / "ImageToProbe.txt"
 
 
-def pictures(folder, images):
-    """Images as PNG files, called by their numbers."""
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    folder.mkdir()
-    for n, image in enumerate(images):
-        pil.fromarray(image).save(folder / f"{n}.png")
-    return folder
-
-
 def imported(results, *arguments):
     assert main(["import", *map(str, arguments), "--output", str(results / "sweep.igs.mha")]) == 0
     return read_sequence(results / "sweep.igs.mha")
@@ -76,16 +66,6 @@ def imported(results, *arguments):
 def asked(capsys, results, *arguments) -> str:
     """What an import is refused with."""
     return refused(["import", *arguments, "--output", results / "s.mha"], capsys, results)
-
-
-def test_exported_pictures_and_poses_give_the_same_volume(tmp_path, results, calibration):
-    folder = pictures(tmp_path / "frames", SEQUENCE.images)
-    poses = save(tmp_path / "poses.csv", [[t, *row] for t, row in zip(TIMES, flat(PROBE_TO_REFERENCE))])
-    sequence = imported(results, folder, "--poses", poses, "--transform", "ProbeToReference", "--calibration", calibration)
-    calibrated = replace(SEQUENCE, transforms={TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)})
-    found, expected = (reconstruct(each, ReconstructionSettings(spacing=1.0)).intensity for each in (sequence, calibrated))
-    np.testing.assert_allclose(found.ijk_to_reference, expected.ijk_to_reference, atol=1e-9)
-    np.testing.assert_array_equal(found.array, expected.array)
 
 
 IMAGE, SIZE = ["--transform", "ImageToReference"], ["--spacing", *SPACING]
@@ -120,7 +100,7 @@ def test_every_way_to_write_poses_puts_the_pixels_in_the_same_place(tmp_path, re
 
 
 def test_poses_are_paired_by_the_names_of_their_images_and_rows_without_one_are_poses_of_none(tmp_path, results):
-    folder = pictures(tmp_path / "frames", SEQUENCE.images)
+    folder = write_pictures(tmp_path / "frames", SEQUENCE.images)
     rows = [[f"somewhere/else/{n}.png", TIMES[n], *flat(IMAGE_TO_REFERENCE)[n]] for n in (5, 0, 3, 1, 2)]
     rows = [["", *rows[0][1:]], *rows, ["", *rows[-1][1:]]]
     poses = save(tmp_path / "p.csv", rows, ["image", "time", *MATRIX])
@@ -131,10 +111,7 @@ def test_poses_are_paired_by_the_names_of_their_images_and_rows_without_one_are_
 
 def test_poses_of_another_rate_are_interpolated_at_the_images(tmp_path, results):
     """Images of a DICOM file at 0, 0.04 and 0.08 s, poses every 0.02 s."""
-    dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
-    from dicom_samples import write_dicom
-
-    images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
+    images = write_dicom(tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
     rows = [[0.02 * n + 0.01, *(rigid(translation=(n, 0, 0)) @ np.diag([0.4, 0.5, 1, 1])).ravel().tolist()] for n in range(-1, 5)]
     sequence = imported(results, images, "--poses", save(tmp_path / "p.csv", rows), "--transform", "ImageToReference")
     found = sweep_poses(sequence).image_to_reference[:, 0, 3]
@@ -144,13 +121,10 @@ def test_poses_of_another_rate_are_interpolated_at_the_images(tmp_path, results)
 @pytest.fixture
 def zoomed(tmp_path):
     """A folder of two DICOM files of one frame each, of which neither the order nor the one size of a pixel is known."""
-    dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
-    from dicom_samples import write_dicom
-
     (tmp_path / "zoomed").mkdir()
     for number, size in enumerate((0.2, 0.4)):
         image = np.asarray(SEQUENCE.images)[number]
-        write_dicom(dicom, tmp_path / "zoomed" / f"{number}.dcm", image, InstanceNumber=1, PixelSpacing=[size, size])
+        write_dicom(tmp_path / "zoomed" / f"{number}.dcm", image, InstanceNumber=1, PixelSpacing=[size, size])
     return tmp_path / "zoomed"
 
 
@@ -198,7 +172,7 @@ def test_what_does_not_fit_is_explained(tmp_path, results, frames, calibration, 
 
 
 def test_pictures_that_are_damaged_or_of_one_name_are_named(tmp_path, results, capsys):
-    folders = [pictures(tmp_path / name, np.asarray(SEQUENCE.images)[:2]) for name in "ab"]
+    folders = [write_pictures(tmp_path / name, np.asarray(SEQUENCE.images)[:2]) for name in "ab"]
     rows = [[f"{n}.png", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE)[:2])]
     poses = save(tmp_path / "p.csv", rows, ["image", *MATRIX])
     assert "Two of the images are called 0.png" in asked(capsys, results, *folders, "--poses", poses, *IMAGE)
@@ -299,7 +273,7 @@ PAUSED = np.r_[0.0:0.3:0.05, 1.8:2.1:0.05][:12]
 
 @pytest.mark.parametrize(("header", "form"), [(["time"], "{t}"), (["image", "time_ms"], "{n}.png,{ms}"), (None, "{t}")])
 def test_images_that_paused_have_the_times_of_a_table(tmp_path, results, twelve, header, form):
-    images = pictures(tmp_path / "frames", np.load(twelve)) if header and "image" in header else twelve
+    images = write_pictures(tmp_path / "frames", np.load(twelve)) if header and "image" in header else twelve
     rows = [form.format(n=n, t=f"{t:.3f}", ms=f"{1000 * t:.0f}").split(",") for n, t in enumerate(PAUSED)]
     times = save(tmp_path / "times.csv", rows if header is None or len(header) == 1 else rows[::-1], header)
     poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.05))

@@ -246,15 +246,14 @@ def test_vertebrae_are_known_by_the_numbers_of_their_program(labels, names, left
     np.testing.assert_array_equal(found.array, np.where(kept, labels.array, 0))
 
 
-@pytest.mark.parametrize(
-    ("labels", "names", "message"),
-    [
-        (column(229, 7), {}, "What its labels 229, 236, 243, 250 are is not said"),
-        (column(1, 1, count=2), {1: "L3", 2: "ganz unten"}, "Labels ganz unten may be bone or not"),
-        (column(1, 1, count=2), {1: "aorta", 2: "psoas_major_left"}, "None of its labels is bone by their names"),
-    ],
-    ids=["numbers of nobody", "a name beside a bone", "no bone"],
-)
+ASKED = {
+    "numbers of nobody": (column(229, 7), {}, "What its labels 229, 236, 243, 250 are is not said"),
+    "a name beside a bone": (column(1, 1, count=2), {1: "L3", 2: "ganz unten"}, "Labels ganz unten may be bone or not"),
+    "no bone": (column(1, 1, count=2), {1: "aorta", 2: "psoas_major_left"}, "None of its labels is bone by their names"),
+}
+
+
+@pytest.mark.parametrize(("labels", "names", "message"), ASKED.values(), ids=ASKED)
 def test_what_cannot_be_told_is_asked_once_and_labels_answer(labels, names, message, tmp_path):
     fields = "".join(f"Segment{n}_Name:={name}\nSegment{n}_LabelValue:={n}\nSegment{n}_Layer:=0\n" for n, name in names.items())
     file = tmp_path / "labels.seg.nrrd"

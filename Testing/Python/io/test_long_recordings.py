@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from sweeps import image_pose
 
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.frames import TrackedSequence
 
 FRAMES, ROWS, COLUMNS = 300, 120, 160
 GRID = VoxelGrid.from_spacing((0, 0, 0), (32, 24, 30), 1.0)
@@ -24,9 +23,8 @@ GRID = VoxelGrid.from_spacing((0, 0, 0), (32, 24, 30), 1.0)
 def sweep() -> TrackedSequence:
     rng = np.random.default_rng(0)
     images = np.repeat(rng.integers(0, 256, (6, ROWS, COLUMNS), dtype=np.uint8), FRAMES // 6, axis=0)
-    name = TransformName("Image", "Reference")
     poses = [image_pose((0.2, 0.2), translation=(0, 0, 0.1 * number)) for number in range(FRAMES)]
-    return TrackedSequence(images, [FrameRecord(timestamp=0.1 * n, transforms={name: TransformSample(p)}) for n, p in enumerate(poses)])
+    return TrackedSequence.from_arrays(images, poses, 0.1 * np.arange(FRAMES))
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["uncompressed", "compressed"])

@@ -5,15 +5,16 @@ from __future__ import annotations
 import struct
 
 import numpy as np
+import PIL.Image as pil
+import pydicom as dicom
 import pytest
-from test_foreign_images import FRAMES, write_dicom
+import tifffile
+from dicom_samples import write_dicom
+from sequence_samples import metaimage, single_frame
+from test_foreign_images import FRAMES
 
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.io.foreign.openers import open_images
-
-pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-tifffile = pytest.importorskip("tifffile", reason="tifffile is not installed")
-pytest.importorskip("imagecodecs", reason="imagecodecs is not installed")
 
 ORIENTATION = 274
 
@@ -122,11 +123,7 @@ def test_a_picture_is_turned_as_viewers_turn_it_and_that_is_said(tmp_path, orien
 
 def test_frames_of_metaimages_come_one_a_file_with_their_pixel_size(tmp_path):
     for number, frame in enumerate(FRAMES[:3]):
-        (tmp_path / f"f_{number}.raw").write_bytes(frame.tobytes())
-        (tmp_path / f"f_{number}.mhd").write_text(
-            "ObjectType = Image\nNDims = 3\nElementSpacing = 0.2 0.3 1\nDimSize = 17 12 1\n"
-            f"ElementType = MET_UCHAR\nElementDataFile = f_{number}.raw\n"
-        )
+        single_frame(tmp_path / f"f_{number}.mhd", frame)
     found = open_images([tmp_path])
     np.testing.assert_array_equal(np.asarray(found.stack), FRAMES[:3])
     assert found.names == ("f_0.mhd", "f_1.mhd", "f_2.mhd")
@@ -134,13 +131,12 @@ def test_frames_of_metaimages_come_one_a_file_with_their_pixel_size(tmp_path):
 
 
 def test_a_volume_as_metaimage_is_refused_as_one(tmp_path):
-    header = "ObjectType = Image\nNDims = 3\nDimSize = 17 12 11\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
-    (tmp_path / "a.mha").write_bytes(header.encode() + FRAMES.tobytes())
+    metaimage(tmp_path / "a.mha", FRAMES, {}, Kinds=None, UltrasoundImageOrientation=None)
     with pytest.raises(FileFormatError, match="a 3D volume of 11 slices; frames must be 2D"):
         open_images([tmp_path / "a.mha"])
 
 
-def groups(dicom, *, shared=(), frames=()):
+def groups(*, shared=(), frames=()):
     """Functional groups with these attributes of one sequence each."""
 
     def group(name, **attributes):
@@ -155,11 +151,10 @@ def groups(dicom, *, shared=(), frames=()):
 
 
 def test_the_pixel_size_in_the_functional_groups_of_dicom_is_found(tmp_path):
-    dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
-    shared = groups(dicom, shared=[("PixelMeasuresSequence", {"PixelSpacing": [0.3, 0.2]})])
-    assert open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES, **shared)]).spacing == (0.2, 0.3)
-    each = groups(dicom, frames=[("PixelMeasuresSequence", {"PixelSpacing": [size, 0.2]}) for size in (0.3, 0.4)])
-    found = open_images([write_dicom(dicom, tmp_path / "b.dcm", FRAMES[:2], **each)])
+    shared = groups(shared=[("PixelMeasuresSequence", {"PixelSpacing": [0.3, 0.2]})])
+    assert open_images([write_dicom(tmp_path / "a.dcm", FRAMES, **shared)]).spacing == (0.2, 0.3)
+    each = groups(frames=[("PixelMeasuresSequence", {"PixelSpacing": [size, 0.2]}) for size in (0.3, 0.4)])
+    found = open_images([write_dicom(tmp_path / "b.dcm", FRAMES[:2], **each)])
     assert found.spacing is None
     assert "frames of different pixel sizes (0.2 x 0.3 mm and 0.2 x 0.4 mm)" in found.unknown_spacing
 
@@ -174,8 +169,7 @@ def test_the_pixel_size_in_the_functional_groups_of_dicom_is_found(tmp_path):
     ],
 )
 def test_a_volume_in_dicom_is_refused_as_one(tmp_path, attributes, message):
-    dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
     places = [("PlanePositionVolumeSequence", {"ImagePositionVolume": [0, 0, 0.5 * n]}) for n in range(11)]
-    told = groups(dicom, frames=places) if attributes is None else attributes
+    told = groups(frames=places) if attributes is None else attributes
     with pytest.raises(FileFormatError, match=f"a 3D volume of {message}.*; frames must be 2D"):
-        open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES, **told)])
+        open_images([write_dicom(tmp_path / "a.dcm", FRAMES, **told)])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import SimpleITK as sitk
+from volume_samples import refusal
 
 from AIFReconLib.errors import ConfigurationError, FileFormatError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
@@ -36,16 +36,6 @@ def transform(attributes: str = "", matrix: str = MATRIX, source: str = "Image",
 
 def reconstruction(attributes: str, children: str = "") -> str:
     return f"<VolumeReconstruction {attributes}>{children}</VolumeReconstruction>"
-
-
-# Transforms
-
-
-def test_transforms_are_read_row_by_row(read):
-    ((name, sample),) = read(transform()).transforms.items()
-    assert name == TransformName("Image", "Probe")
-    assert sample.status is TransformStatus.OK
-    np.testing.assert_array_equal(sample.matrix, [[0.1, 0, 0, 5], [0, 0.2, 0, -6.5], [0, 0, 0.1, 7], [0, 0, 0, 1]])
 
 
 # Volume reconstruction
@@ -114,33 +104,33 @@ BY_HITS = '<HoleFillingElement Type="GAUSSIAN_ACCUMULATION" Size="9" Stdev="1.5"
 INVERSE = '<HoleFillingElement Type="DISTANCE_WEIGHT_INVERSE" Size="3" MinimumKnownVoxelsRatio="0.3"/>'
 
 
-@pytest.mark.parametrize(
-    ("elements", "holes"),
-    [
-        (STICK, (HoleFilling("stick", 9, sticks=2),)),
-        (GAUSSIAN, (HoleFilling("gaussian", 5, 0.6, 0.1),)),
-        (BY_HITS, (HoleFilling("gaussian by hits", 9, 1.5),)),
-        (INVERSE, (HoleFilling("inverse distance", 3, known_ratio=0.3),)),
-        (CUBE + STICK, (HoleFilling("cube", 7, known_ratio=0.02), HoleFilling("stick", 9, sticks=2))),
-    ],
-)
+FILLED = {
+    STICK: (HoleFilling("stick", 9, sticks=2),),
+    GAUSSIAN: (HoleFilling("gaussian", 5, 0.6, 0.1),),
+    BY_HITS: (HoleFilling("gaussian by hits", 9, 1.5),),
+    INVERSE: (HoleFilling("inverse distance", 3, known_ratio=0.3),),
+    CUBE + STICK: (HoleFilling("cube", 7, known_ratio=0.02), HoleFilling("stick", 9, sticks=2)),
+}
+
+
+@pytest.mark.parametrize(("elements", "holes"), FILLED.items())
 def test_hole_filling_elements_are_read_in_their_order(read, elements, holes):
     configuration = read(reconstruction('FillHoles="ON"', f"<HoleFilling>{elements}</HoleFilling>"))
     assert configuration.holes == holes
     assert configuration.warnings == ()
 
 
-@pytest.mark.parametrize(
-    ("attributes", "expected"),
-    [
-        ('ImportanceMaskFilename="mask.png"', None),
-        ("", "plus.xml: VolumeReconstruction@ImportanceMaskFilename is missing"),
-        ('ImportanceMaskFilename="other.png"', "other.png: there is no such file"),
-        ('ImportanceMaskFilename="plus.xml"', "plus.xml: an importance mask must be one of .png"),
-        ('ImportanceMaskFilename="black.png"', "black.png: an importance mask must have pixels above 0"),
-        ('ImportanceMaskFilename="color.png"', "color.png: an importance mask must be an 8-bit gray image; got 2 x 2 vector"),
-    ],
-)
+MASKS = {
+    'ImportanceMaskFilename="mask.png"': None,
+    "": "plus.xml: VolumeReconstruction@ImportanceMaskFilename is missing",
+    'ImportanceMaskFilename="other.png"': "other.png: there is no such file",
+    'ImportanceMaskFilename="plus.xml"': "plus.xml: an importance mask must be one of .png",
+    'ImportanceMaskFilename="black.png"': "black.png: an importance mask must have pixels above 0",
+    'ImportanceMaskFilename="color.png"': "color.png: an importance mask must be an 8-bit gray image; got 2 x 2 vector",
+}
+
+
+@pytest.mark.parametrize(("attributes", "expected"), MASKS.items())
 def test_an_importance_mask_stands_beside_the_configuration_or_is_named(read, tmp_path, attributes, expected):
     weights = np.array([[0, 51], [102, 255]], np.uint8)
     sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
@@ -219,25 +209,21 @@ BAD = [
 
 
 @pytest.mark.parametrize(("content", "expected"), BAD)
-def test_what_cannot_be_used_is_named(read, content, expected):
-    with pytest.raises(ConfigurationError) as caught:
-        read(content)
-    assert "plus.xml: " in str(caught.value)
-    assert expected in str(caught.value)
-    assert "\n" not in str(caught.value)
+def test_what_cannot_be_used_is_named(read, tmp_path, content, expected):
+    assert expected in refusal(tmp_path / "plus.xml", lambda _: read(content), ConfigurationError)
 
 
 # Scan conversion
 
 
-@pytest.mark.parametrize(
-    ("place", "apex"),
-    [
-        ('TransducerCenterPixel="300 40"', (300, 15)),
-        ('OutputImageSizePixel="640 480"', (320, 0)),
-        ('OutputImageSizePixel="640 480" TransducerCenterPixel="300 5"', (300, -20)),
-    ],
-)
+APEXES = {
+    'TransducerCenterPixel="300 40"': (300, 15),
+    'OutputImageSizePixel="640 480"': (320, 0),
+    'OutputImageSizePixel="640 480" TransducerCenterPixel="300 5"': (300, -20),
+}
+
+
+@pytest.mark.parametrize(("place", "apex"), APEXES.items())
 def test_a_curvilinear_probe_has_its_apex_above_its_face(read, place, apex):
     configuration = read(f"<ScanConversion {CURVED} {place}/>")
     assert configuration.probe == ProbeGeometry("sector", apex)
@@ -253,16 +239,11 @@ def test_a_linear_probe_fills_a_rectangle_below_its_face(read):
 # Files
 
 
-def test_real_configurations_are_read(real_data):
-    of_fan = read_plus_configuration(real_data("SonixRP_TRUS_D70mm_NN_LATE.xml"))
-    assert of_fan.region == ImageRegion(ClipRectangle((192, 16), (420, 580)), Fan((380, 20), (-45, 45), (120, 360)))
-    assert (of_fan.method, of_fan.spacing, of_fan.holes) == ("latest", (0.5, 0.5, 0.5), ())
-    assert list(map(str, of_fan.transforms)) == ["ImageToProbe", "PhantomToReference"]
+def test_a_real_configuration_is_read(real_data):
+    """Those of probes with a fan are read where volumes are compared with Plus's own."""
     linear = read_plus_configuration(real_data("BoneUltrasound_L14_config.xml"))
     assert (linear.probe, linear.method) == (ProbeGeometry("linear"), "average")
     assert linear.scan_region.clip.bounds(820, 616) == (175, 645, 0, 615)
-    for name in ("SpinePhantom_NN_MEAN.xml", "SpinePhantom_LN_MAXI.xml"):
-        assert TransformName("Image", "Probe") in read_plus_configuration(real_data(name)).transforms
 
 
 NOT_WELL_FORMED = [b"", b"<PlusConfiguration>", b"hello", b"\x00\x01", b"<a>" * 100_000, b" " * 20_000_000]
@@ -278,8 +259,5 @@ NOT_WELL_FORMED = [b"", b"<PlusConfiguration>", b"hello", b"\x00\x01", b"<a>" * 
     ],
 )
 def test_a_file_that_is_no_configuration_is_refused(tmp_path, content, expected):
-    path = tmp_path / "plus.xml"
-    path.write_bytes(content)
-    with pytest.raises(ConfigurationError, match=expected) as caught:
-        read_plus_configuration(path)
-    assert str(caught.value).startswith(f"{path}: ")
+    (tmp_path / "plus.xml").write_bytes(content)
+    assert expected in refusal(tmp_path / "plus.xml", read_plus_configuration, ConfigurationError)

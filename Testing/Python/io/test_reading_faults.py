@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 
 import numpy as np
@@ -23,10 +22,6 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 FRAMES = np.random.default_rng(0).integers(0, 256, (6, 30, 40), dtype=np.uint8)
-
-
-def fail(*_, **_options):
-    raise OSError(errno.EIO, "Input/output error")
 
 
 @pytest.mark.parametrize("order", [np.ascontiguousarray, np.asfortranarray], ids=["C", "Fortran"])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+import PIL.Image as pil
 import pytest
 from made_recordings import (
     CALIBRATION,
@@ -25,6 +25,7 @@ from made_recordings import (
     pose,
     three_rows,
 )
+from rosbags.convert import cli as convert
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib import read_sequence
@@ -140,8 +141,6 @@ def test_an_archive_that_is_no_recording_says_why(tmp_path, arrays, message):
 
 # ---- bags of ROS
 
-rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed")
-
 
 def bag_of_images(folder: Path, storage: str = "mcap", count: int = COUNT, change=None, **image) -> Bag:
     """A bag of images without poses."""
@@ -206,7 +205,6 @@ def test_images_of_several_encodings_are_read_or_named(tmp_path, encoding, pixel
 
 
 def test_compressed_images_are_read(tmp_path):
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     bag = Bag(tmp_path / "sweep", "bag")
     with bag.writer:
         for number, image in enumerate(IMAGES):
@@ -220,8 +218,6 @@ def test_compressed_images_are_read(tmp_path):
 
 
 def test_a_bag_with_images_of_two_topics_asks_for_one(tmp_path, monkeypatch):
-    from rosbags.convert import cli as convert
-
     bag = Bag(tmp_path / "sweep", "mcap")
     with bag.writer:
         bag.image(0, "/us/image")
@@ -247,40 +243,21 @@ def test_what_is_no_bag_is_refused(tmp_path, suffix, content):
         read_sequence(tmp_path / f"a{suffix}")
 
 
-def posed(bag: Bag, kind: str, number: int) -> None:
-    """A message that holds a pose among other things."""
-    position, orientation = bag.moved(pose(number), "Point")
-    at, header = bag.make("geometry_msgs/msg/Pose", position=position, orientation=orientation), bag.header(0.05 * number, "tracker")
-    fields: dict[str, Any] = {"header": header}
-    if kind.endswith("Path"):
-        fields["poses"] = [bag.make("geometry_msgs/msg/PoseStamped", header=header, pose=at)]
-    elif kind.endswith("PoseStamped"):
-        fields["pose"] = at
-    else:
-        fields["pose"] = bag.make("geometry_msgs/msg/PoseWithCovariance", pose=at, covariance=np.zeros(36))
-    if kind.endswith("Odometry"):
-        still = bag.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
-        twist = bag.make("geometry_msgs/msg/Twist", linear=still, angular=still)
-        fields["twist"] = bag.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36))
-        fields["child_frame_id"] = "needle"
-    bag.write("/probe/pose", kind, 0.05 * number, bag.make(kind, **fields))
+KINDS = {
+    "geometry_msgs/msg/PoseStamped": "ProbeToTracker",
+    "nav_msgs/msg/Odometry": "NeedleToTracker",
+    "geometry_msgs/msg/PoseWithCovarianceStamped": "ProbeToTracker",
+    "nav_msgs/msg/Path": None,
+}
 
 
-@pytest.mark.parametrize(
-    ("kind", "name"),
-    [
-        ("geometry_msgs/msg/PoseStamped", "ProbeToTracker"),
-        ("nav_msgs/msg/Odometry", "NeedleToTracker"),
-        ("geometry_msgs/msg/PoseWithCovarianceStamped", "ProbeToTracker"),
-        ("nav_msgs/msg/Path", None),
-    ],
-)
+@pytest.mark.parametrize(("kind", "name"), KINDS.items())
 @pytest.mark.parametrize("storage", ["bag", "mcap"])
 def test_poses_of_other_messages_are_read_or_named(tmp_path, storage, kind, name):
     bag = Bag(tmp_path / "sweep", storage)
     with bag.writer:
         for number in range(COUNT):
-            posed(bag, kind, number)
+            bag.pose(0.05 * number, "tracker", pose(number), kind)
             bag.image(number)
     # An MCAP is read without its folder, too
     sequence = read_sequence(bag.path if storage == "bag" else next(bag.path.glob("*.mcap")))

@@ -5,24 +5,18 @@ from __future__ import annotations
 import os
 import re
 import zlib
+from functools import partial
 
 import numpy as np
 import pytest
+import volume_samples
 from sequence_samples import IDENTITY, metaimage, nrrd, ramp
 
 from AIFReconLib.errors import SequenceFormatError
 from AIFReconLib.io.sequence import file_images
 from AIFReconLib.io.sequence.files import read_sequence
 
-
-def refusal(path) -> str:
-    """What is said about a file that cannot be opened: one line that begins with its path."""
-    with pytest.raises(SequenceFormatError) as caught:
-        read_sequence(path)
-    message = str(caught.value)
-    assert message.startswith(f"{path}: ")
-    assert "\n" not in message
-    return message
+refusal = partial(volume_samples.refusal, read=read_sequence, error=SequenceFormatError)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes are POSIX")

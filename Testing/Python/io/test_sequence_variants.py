@@ -152,15 +152,15 @@ def test_a_pose_that_slicer_calls_invalid_costs_its_frame_and_without_times_the_
     assert any("for lack of times" in note for note in sequence.notes) == (times is None)
 
 
-@pytest.mark.parametrize(
-    ("line", "expected"),
-    [
-        ("Seq_Frame0001_ImageToReferenceTransform =1 2 3", "frame 1, ImageToReferenceTransform must be 16 numbers; got 3"),
-        ("Seq_Frame0001_ImageToReferenceTransform =1 2 x", "frame 1, ImageToReferenceTransform must be .*'x' is not a number"),
-        ("Seq_Frame0001_Timestamp = soon", "frame 1, Timestamp must be a number of seconds; 'soon' is not a number"),
-        ("Seq_Frame0002_Timestamp = 700", r"fits the images .10\.000 to 10\.200 s"),
-    ],
-)
+UNFIT = {
+    "Seq_Frame0001_ImageToReferenceTransform =1 2 3": "frame 1, ImageToReferenceTransform must be 16 numbers; got 3",
+    "Seq_Frame0001_ImageToReferenceTransform =1 2 x": "frame 1, ImageToReferenceTransform must be .*'x' is not a number",
+    "Seq_Frame0001_Timestamp = soon": "frame 1, Timestamp must be a number of seconds; 'soon' is not a number",
+    "Seq_Frame0002_Timestamp = 700": r"fits the images .10\.000 to 10\.200 s",
+}
+
+
+@pytest.mark.parametrize(("line", "expected"), UNFIT.items())
 def test_a_transform_sequence_that_does_not_fit_is_explained(tmp_path, line, expected):
     path = slicer_transforms(tmp_path / "t.seq.mha", times=(700.0, 700.1, 700.2) if "700" in line else (10.0, 10.1, 10.2))
     key = line.split(" =")[0]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-pytest.importorskip("vtkmodules", reason="VTK is not installed")
+from sweeps import rigid
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
@@ -13,7 +12,6 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.surfaces import write_labels_surface, write_surface
 
-TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 CENTER = np.array([12.0, -30.0, 55.0])
 RADIUS = 9.0
 
@@ -21,8 +19,7 @@ RADIUS = 9.0
 def ball(spacing=(0.8, 0.6, 1.1), mirrored: bool = False) -> Volume:
     """Two halves of a ball, labels 3 and 7, on an oblique grid whose right end cuts it."""
     size = np.array([30, 40, 24])
-    placed = np.eye(4)
-    placed[:3, :3] = TURN * spacing * np.array([-1.0 if mirrored else 1.0, 1.0, 1.0])
+    placed = rigid((40.0, -50.0, -65.0)) @ np.diag([-spacing[0] if mirrored else spacing[0], *spacing[1:], 1.0])
     placed[:3, 3] = CENTER - placed[:3, :3] @ ((size - 1) / 2)
     k, j, i = np.indices(tuple(size[::-1].tolist()))
     points = np.stack([i, j, k], -1) @ placed[:3, :3].T + placed[:3, 3]

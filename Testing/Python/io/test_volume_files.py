@@ -6,6 +6,7 @@ import gzip
 import struct
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -76,9 +77,7 @@ def test_a_file_that_came_out_incomplete_or_failed_does_not_get_its_name(tmp_pat
         data = max(Path(name).parent.iterdir(), key=lambda path: (path.suffix in (".raw", ".zraw"), path.name))
         data.write_bytes(data.read_bytes()[:-20])
 
-    def fail(*_args, **_keywords):
-        raise RuntimeError("Exception thrown in SimpleITK\nitk.cxx:1:\nITK ERROR: ImageIO(0x55): no space left")
-
+    fail = Mock(side_effect=RuntimeError("Exception thrown in SimpleITK\nitk.cxx:1:\nITK ERROR: ImageIO(0x55): no space left"))
     for writes, said in ((write_half, "incomplete"), (fail, r"volume\S*: ImageIO: no space left\. Check")):
         monkeypatch.setattr(sitk, "WriteImage", writes)
         with pytest.raises(OutputError, match=said):
@@ -150,16 +149,16 @@ def test_labels_are_whole_numbers_whatever_the_file_holds(tmp_path, dtype):
     assert labels.array.dtype.kind in "iu"
 
 
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [
-        (0.5, "BoneMap.from_probability"),
-        (28.5, "Export them without smoothing"),
-        (np.nan, "whole numbers"),
-        (1e12, "whole numbers"),
-        (-1000, "CT"),
-    ],
-)
+NO_LABELS = {
+    0.5: "BoneMap.from_probability",
+    28.5: "Export them without smoothing",
+    np.nan: "whole numbers",
+    1e12: "whole numbers",
+    -1000: "CT",
+}
+
+
+@pytest.mark.parametrize(("value", "expected"), NO_LABELS.items())
 def test_what_cannot_be_labels_is_refused(tmp_path, value, expected):
     array = np.zeros((2, 3, 4), np.float32)
     array[1, 1, 1] = value

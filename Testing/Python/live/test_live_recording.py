@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -86,28 +87,16 @@ def test_a_finished_recording_holds_every_image_transform_and_time_to_the_bit(su
             np.testing.assert_array_equal(sample.matrix, frame.record.transforms[name].matrix)
 
 
-UNSEEN = {"probe": False}
-SOME = [True, True, False, False, False]
+BEGIN, LOST = [*tracked(1.0), *tracked(2.0)], [*tracked(4.0, probe=False), *tracked(5.0, probe=False)]
+NOT_SEEN = image(3.0, metadata=metadata(ProbeToTracker="OUT_OF_VIEW", ReferenceToTracker="OK"), version=2)
+STREAMS = {
+    "missing": ([*BEGIN, image(3.0, version=2), *LOST], [True, True, False, False, False]),
+    "metadata": ([*BEGIN, NOT_SEEN, *LOST], [True, True, False, False, False]),
+    "not confirmed": ([image(1.0), image(2.0)], [False, False]),
+}
 
 
-@pytest.mark.parametrize(
-    ("stream", "usable"),
-    [
-        ([*tracked(1.0), *tracked(2.0), image(3.0, version=2), *tracked(4.0, **UNSEEN), *tracked(5.0, **UNSEEN)], SOME),
-        (
-            [
-                *tracked(1.0),
-                *tracked(2.0),
-                image(3.0, metadata=metadata(ProbeToTracker="OUT_OF_VIEW", ReferenceToTracker="OK"), version=2),
-                *tracked(4.0, **UNSEEN),
-                *tracked(5.0, **UNSEEN),
-            ],
-            SOME,
-        ),
-        ([image(1.0), image(2.0)], [False, False]),
-    ],
-    ids=["missing", "metadata", "not confirmed"],
-)
+@pytest.mark.parametrize(("stream", "usable"), STREAMS.values(), ids=STREAMS)
 def test_a_recording_gives_the_poses_and_statuses_that_the_stream_gave(stream, usable, tmp_path, record):
     placed = paired(*stream)
     record(tmp_path / "scan.mha", placed).finish()
@@ -311,10 +300,7 @@ def test_a_full_disk_stops_the_recording_and_takes_nothing_of_what_there_was(suf
 
 
 def test_a_recording_that_cannot_begin_says_why(tmp_path, monkeypatch, record):
-    def full(descriptor):
-        raise FULL
-
-    monkeypatch.setattr(os, "fsync", full)
+    monkeypatch.setattr(os, "fsync", Mock(side_effect=FULL))
     recorder = record(tmp_path / "scan.mha", frames())
     assert recorder.failure.startswith("Recording stopped: Cannot write ")
     assert recorder.failure.endswith("the disk is full. Free some space, or choose a folder on another disk. No frame was recorded.")
@@ -322,21 +308,14 @@ def test_a_recording_that_cannot_begin_says_why(tmp_path, monkeypatch, record):
 
 def test_a_recording_that_cannot_be_copied_stays_where_it_is(tmp_path, monkeypatch, record):
     recorder = record(tmp_path / "scan.mha", frames())
-
-    def full(*_, **__):
-        raise OutputError("Cannot write scan.mha: the disk is full.")
-
-    monkeypatch.setattr(recording, "write_sequence", full)
+    monkeypatch.setattr(recording, "write_sequence", Mock(side_effect=OutputError("Cannot write scan.mha: the disk is full.")))
     assert recorder.finish() is None
     assert recorder.failure == f"Recording stopped: Cannot write scan.mha: the disk is full. 5 frames are kept in {recorder.header_path}."
     assert len(read_sequence(recorder.header_path)) == 5
 
 
 def test_an_mhd_is_finished_where_links_are_not_known_and_bytes_too_many_are_refused(tmp_path, monkeypatch, record):
-    def no_links(*_):
-        raise OSError(errno.EPERM, "Operation not permitted")
-
-    monkeypatch.setattr(os, "link", no_links)
+    monkeypatch.setattr(os, "link", Mock(side_effect=OSError(errno.EPERM, "Operation not permitted")))
     record(tmp_path / "scan.mhd", frames()).finish()
     assert len(read_sequence(tmp_path / "scan.mhd")) == 5
     with open(tmp_path / "scan.raw", "ab") as file:

@@ -57,25 +57,19 @@ def test_a_probe_that_was_away_and_comes_back_elsewhere_counts():
     assert box([0.0] * 30 + [400.0] * 30, times)[0].size[2] > 400
 
 
-def scanned(places: list[float], **options) -> LiveSession:
-    """A session that has scouted at these places, and seen one more frame since."""
+def test_a_scan_with_one_wrong_pose_is_saved_and_says_so_once():
+    """The pose is wrong in the middle of what was scouted."""
     source = QueueSource(limit=1000)
-    session = LiveSession(source, ReconstructionSettings(spacing=1.0, clip_px=(0,) * 4), longest_delay=None, **options)
-    for number, z in enumerate(places):
+    for number, z in enumerate([*SWEEP[:30], 200_000.0, *SWEEP[30:]]):
         pose = image_pose(translation=(0.0, 0.0, z))
         source.put(image(1.0 + number / 20, pixels=PIXELS, pose=pose))
         source.put(transform(1.0 + number / 20, "ImageToReference", pose))
     source.stop()
+    session = LiveSession(source, ReconstructionSettings(spacing=1.0, clip_px=(0,) * 4), longest_delay=None)
     session.start()
     session.finished.wait(60.0)
-    return session
-
-
-def test_a_scan_with_one_wrong_pose_is_saved_and_says_so_once():
-    session = scanned([*SWEEP[:30], 200_000.0, *SWEEP[30:]])
     session.use_grid(session.grid_from_scout())
     result = session.finish()
     assert (result.frames_inserted, session.statistics.skipped) == (60, {"outside the volume": 1})
-    assert [note.split(":")[0] for note in result.messages if "no hand reaches" in note] == [
-        "1 of 61 frames seen while scouting lie where no hand reaches between two frames"
-    ]
+    told = [note.split(":")[0] for note in result.messages if "no hand reaches" in note]
+    assert told == ["1 of 61 frames seen while scouting lie where no hand reaches between two frames"]

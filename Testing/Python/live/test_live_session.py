@@ -8,6 +8,7 @@ import threading
 import time
 import tracemalloc
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -259,16 +260,12 @@ def test_an_hour_without_the_probe_fills_no_memory_and_gives_no_box(session_of):
     assert session.statistics.frames_skipped == session.statistics.frames_received == 5000
 
 
-def lit(dark, count):
-    """Images that are black, then show a lit rectangle: that is where the ultrasound is."""
-    images = np.zeros((count, 60, 80), np.uint8)
-    images[dark:, 10:50, 20:60] = np.random.default_rng(0).integers(60, 250, (count - dark, 40, 40), dtype=np.uint8)
-    return [list(tracked(1.0 + n / 30, pixels=images[n])) for n in range(count)]
-
-
 def test_region_and_probe_are_recognized_in_the_first_images(session_of):
+    """A lit rectangle in black images: that is where the ultrasound is."""
+    images = np.pad(np.random.default_rng(0).integers(60, 250, (30, 40, 40), dtype=np.uint8), ((0, 0), (10, 10), (20, 20)))
     grid = VoxelGrid.from_spacing((0, 0, 0), (60, 50, 10), 1.0)
-    result = run(session_of([message for frame in lit(0, 30) for message in frame], grid=grid, configuration=None))
+    messages = [message for n, pixels in enumerate(images) for message in tracked(1.0 + n / 30, pixels=pixels)]
+    result = run(session_of(messages, grid=grid, configuration=None))
     assert any("linear probe" in note for note in result.notes)
     assert int(result.hits.array.sum()) <= 30 * 42 * 42
 
@@ -363,21 +360,19 @@ def test_rate_is_told_and_latency_but_of_frames_that_waited_for_the_volume_to_be
     assert 0 < statistics.latency_p50 <= statistics.latency_p99 if prepared else math.isnan(statistics.latency_p50)
 
 
-@pytest.mark.parametrize(
-    ("status", "words"),
-    [
-        ("OK", "tracked"),
-        ("ReferenceToTracker OUT_OF_VIEW", "Reference not seen by tracker"),
-        ("ProbeToTracker MISSING", "Probe not seen by tracker"),
-        ("ProbeToReference MISSING", "Probe or Reference not seen by tracker"),
-        ("ImageToReference MISSING", "Probe or Reference not seen by tracker"),
-        ("ProbeToTracker stale", "ProbeToTracker: too few positions"),
-        ("ProbeToTracker not rigid (mirrored)", "ProbeToTracker not rigid (mirrored)"),
-        ("pose not confirmed", "pose not confirmed"),
-    ],
-)
-def test_the_tracking_state_names_the_tool(status, words):
-    assert tracking_words(status, "Reference") == words
+WORDS = {
+    "OK": "tracked",
+    "ReferenceToTracker OUT_OF_VIEW": "Reference not seen by tracker",
+    "ProbeToTracker MISSING": "Probe not seen by tracker",
+    "ProbeToReference MISSING": "Probe or Reference not seen by tracker",
+    "ImageToReference MISSING": "Probe or Reference not seen by tracker",
+    "ProbeToTracker stale": "ProbeToTracker: too few positions",
+    "pose not confirmed": "pose not confirmed",
+}
+
+
+def test_the_tracking_state_names_the_tool():
+    assert {status: tracking_words(status, "Reference") for status in WORDS} == WORDS
 
 
 @pytest.mark.parametrize(("image_age", "pose_age"), [(0.0, 0.0), (50.0, 0.0), (0.0, 50.0), (50.0, None), (None, None)])
@@ -406,20 +401,14 @@ def test_trouble_of_the_stream_is_told(session_of):
 
 
 def test_the_reconstruction_goes_on_when_the_recording_fails(session_of, monkeypatch, tmp_path):
-    def write(file, data):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Recorder, "_write", staticmethod(write))
+    monkeypatch.setattr(Recorder, "_write", Mock(side_effect=OSError(28, "No space left on device")))
     session = session_of(streamed(tracked_sequence()), record=tmp_path / "scan.mha")
     assert run(session).frames_inserted == 6
     assert "the disk is full" in session.recording_failure
 
 
 def test_an_error_while_receiving_is_told_and_no_hang(session_of, monkeypatch):
-    def feed(self, message):
-        raise ValueError("what is this?")
-
-    monkeypatch.setattr(Synchronizer, "feed", feed)
+    monkeypatch.setattr(Synchronizer, "feed", Mock(side_effect=ValueError("what is this?")))
     session = session_of(streamed(tracked_sequence()))
     session.start()
     assert session.finished.wait(LONG)
@@ -429,17 +418,16 @@ def test_an_error_while_receiving_is_told_and_no_hang(session_of, monkeypatch):
 TINY = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (4, 4, 4), 1.0)
 
 
+OFFSET = {"synchronizer": SynchronizerSettings(time_offset=0.1)}
+
+
 @pytest.mark.parametrize(
     ("settings", "options", "says"),
     [
         ({"orientation": "UF"}, {"grid": TINY}, "orientation is for files"),
         ({"spacing": 2.0}, {"grid": TINY}, "spacing must be that of the grid"),
         ({"bone_from_sweep": True}, {"grid": TINY}, "bone_from_sweep looks at a whole recording"),
-        (
-            {"time_offset": 0.2},
-            {"synchronizer": SynchronizerSettings(time_offset=0.1)},
-            "time_offset must be that of the synchronizer",
-        ),
+        ({"time_offset": 0.2}, OFFSET, "time_offset must be that of the synchronizer"),
         ({"method": "aif"}, {}, "bone"),
     ],
 )

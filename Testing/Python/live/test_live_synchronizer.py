@@ -266,18 +266,16 @@ def test_an_image_with_an_impossible_matrix_has_no_pose(bad):
 MOVING = each(lambda t: [image(t, "Image"), transform(t, "ProbeToTracker"), transform(t, "ImageToProbe", IMAGE_TO_PROBE)])
 
 
-@pytest.mark.parametrize(
-    ("messages", "options", "says", "advised"),
-    [
-        (chained(1.0), {}, "Nothing says where Image lies in Reference", ("config",)),
-        (repeated(1.0, moved=3.0), CALIBRATED, "Two paths lead from Image to Reference", None),
-        (each(chained), {**CALIBRATED, "reference": "Probe"}, "all images would lie in one plane", None),
-        (MOVING, CALIBRATED, "Tracker", ("reference",)),
-    ],
-    ids=["no calibration", "two ways", "one plane", "another reference"],
-)
+UNPLACED = {
+    "no calibration": (chained(1.0), {}, "Nothing says where Image lies in Reference", ("config",)),
+    "two ways": (repeated(1.0, moved=3.0), CALIBRATED, "Two paths lead from Image to Reference", None),
+    "one plane": (each(chained), {**CALIBRATED, "reference": "Probe"}, "all images would lie in one plane", None),
+    "another reference": (MOVING, CALIBRATED, "Tracker", ("reference",)),
+}
+
+
+@pytest.mark.parametrize(("messages", "options", "says", "advised"), UNPLACED.values(), ids=UNPLACED)
 def test_why_no_image_can_be_placed_is_told_in_full(messages, options, says, advised):
-    options = dict(options)
     synchronizer = Synchronizer(SynchronizerSettings(reference=options.get("reference")), options.get("calibrated"))
     for message in messages:
         synchronizer.feed(message)
@@ -293,17 +291,17 @@ def names_of(frame):
 ALL_NAMES = {"ImageToReference", "ProbeToTracker", "ReferenceToTracker"}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "Probe\nElementDataFile = LOCALToTracker",
-        "Probe = 1ToTracker",
-        "Probe\x85ToTracker",
-        "Pro:beToTracker",
-        "ProbeToTracker\r",
-        "   ",
-    ],
+UNHELD = (
+    "Probe\nElementDataFile = LOCALToTracker",
+    "Probe = 1ToTracker",
+    "Probe\x85ToTracker",
+    "Pro:beToTracker",
+    "ProbeToTracker\r",
+    "   ",
 )
+
+
+@pytest.mark.parametrize("name", UNHELD)
 def test_a_frame_keeps_every_transform_of_its_time_but_names_that_no_recording_can_hold(name):
     last = feed(each(lambda t: [*tracked(t), transform(t, name)]))[1]
     assert names_of(last) == ALL_NAMES

@@ -8,7 +8,8 @@ from __future__ import annotations
 import shutil
 import socket
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -49,32 +50,23 @@ def program(tmp_path_factory) -> Callable[[str], Path]:
     return compiled
 
 
-@pytest.fixture
-def served(program):
-    """Starts a server of the C++ library and gives the inbox of our client of it."""
-    running = []
-
-    def start(name: str, *arguments: str) -> Inbox:
-        with socket.create_server(("127.0.0.1", 0)) as probe:
-            port = probe.getsockname()[1]
-        process = subprocess.Popen([program(name), str(port), *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        running.append(process)
-        client = OpenIGTLinkClient("127.0.0.1", port, retry_delays=(0.05,))
-        running.append(client)
-        client.start()
-        return Inbox(client, process)
-
-    yield start
-    for one in reversed(running):
-        if isinstance(one, OpenIGTLinkClient):
-            one.stop()
-        else:
-            one.kill()
-            one.wait()
+@contextmanager
+def running(*command, **streams) -> Iterator[None]:
+    """A program that goes on until what is within has ended."""
+    process = subprocess.Popen([*map(str, command)], **streams)
+    try:
+        yield
+    finally:
+        process.kill()
+        process.wait()
 
 
-def test_images_of_the_cpp_library_arrive_pixel_for_pixel_and_their_center_lies_where_it_puts_it(served):
-    inbox = served("Imager/ImagerServer", "50", str(EXAMPLES / "Imager" / "img")).until(lambda inbox: len(inbox.images()) >= 5)
+def test_images_of_the_cpp_library_arrive_pixel_for_pixel_and_their_center_lies_where_it_puts_it(program):
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        port = probe.getsockname()[1]
+    server = program("Imager/ImagerServer"), port, "50", EXAMPLES / "Imager" / "img"
+    with running(*server, stdout=subprocess.DEVNULL), OpenIGTLinkClient("127.0.0.1", port, retry_delays=(0.05,)) as client:
+        inbox = Inbox(client).until(lambda inbox: len(inbox.images()) >= 5)
     stored = [np.fromfile(EXAMPLES / "Imager" / "img" / f"igtlTestImage{n}.raw", np.uint8).reshape(256, 256) for n in range(1, 6)]
     assert all(np.array_equal(message.image, expected) for message, expected in zip(inbox.images(), stored, strict=False))
     # The example: axes (1, -1, 1), spacing (1, 1, 5), position 0
@@ -87,17 +79,13 @@ def test_images_of_the_cpp_library_arrive_pixel_for_pixel_and_their_center_lies_
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_the_cpp_library_receives_a_replay_checksums_verified(program, tmp_path, dtype):
     tracked = tracked_sequence(images=np.full((6, 30, 40), 7, dtype))
-    records = tracked.records
-    for record in records:
+    for record in tracked.records:
         record.transforms[TransformName("Image", "Probe")] = TransformSample(IMAGE_TO_PROBE)
-    with ReplayServer(tracked, port=0, rate=50.0) as server, open(tmp_path / "log", "w+") as log:
-        process = subprocess.Popen([program("Receiver/ReceiveClient"), "127.0.0.1", str(server.port)], stdout=log, stderr=log)
-        try:
-            assert server.wait(DEADLINE)
-            text = wait_for(lambda: t if (t := (tmp_path / "log").read_text()).count("STATUS data type") else None, "a status in the log")
-        finally:
-            process.kill()
-            process.wait()
+    log, server = tmp_path / "log", ReplayServer(tracked, port=0, rate=50.0)
+    with server, log.open("w") as file, running(program("Receiver/ReceiveClient"), "127.0.0.1", server.port, stdout=file, stderr=file):
+        assert server.wait(DEADLINE)
+        wait_for(lambda: "STATUS data type" in log.read_text(), "a status in the log")
+    text = log.read_text()
     # A body is printed only when its checksum was right
     assert text.count("Device Name           : Image_Reference") == 6
     assert text.count("Dimensions            : (40, 30, 1)") == 6

@@ -7,7 +7,7 @@ each engine and with each method that it concerns. Where it concerns nothing thi
 from __future__ import annotations
 
 import json
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 import pytest
@@ -240,33 +240,64 @@ def test_the_sweep_itself_says_where_bone_is_and_a_bone_map_how_it_was_made(read
 
 
 GRID = VoxelGrid.from_spacing((-12.0, -12.0, -12.0), (25, 25, 25), 1.0)
-REFUSED_BY_RECONSTRUCTOR = {"grid_size": {"grid_to_reference": ASIDE}, **{name: {} for name in (*OF_READING, "spacing", "bone_sigma_mm")}}
 
 
-@pytest.mark.parametrize("engine", ["numpy", "numba"])
-@pytest.mark.parametrize("name", sorted({*VALUES} - {"grid_to_reference", "bone_sigma_voxels", "bone_belief", "method"}))
-def test_a_reconstructor_obeys_it_or_refuses_it(name, engine, read):
-    one, other, beside = VALUES[name]
-    method = SOME_METHODS.get(name, ("average",))[-1]
-    sequence, labels, place = read
-    poses = sweep_poses(sequence)
-    bone = BoneMap.from_labels(labels.placed_by(place), sigma_mm=1.6) if method in BONE_METHODS else None
-    probe = None if {"probe", "apex_px"} & {name, *beside} else ProbeGeometry("linear")
+def _beside(name, value):
+    """A setting and those that it needs, for bone that is mapped already."""
+    settings = {"method": SOME_METHODS.get(name, ("average",))[-1], **VALUES[name][2], name: value}
+    return {each: known for each, known in settings.items() if known is not None and (each != "bone_sigma_mm" or each == name)}
 
-    def made(**settings):
-        settings = {each: value for each, value in settings.items() if value is not None}
-        if settings.get("probe") == "sector":
-            settings["apex_px"] = [19.3, -30.1]
-        reconstructor = Reconstructor(GRID, Recipe(**{"method": method, "engine": engine, **settings}), bone, probe=probe)
-        reconstructor.insert(tracked_frames(sequence, poses, poses.usable))
-        return reconstructor.reconstruction()
 
-    if name in REFUSED_BY_RECONSTRUCTOR:
-        with pytest.raises(SettingsError, match=f"Input .*{name}"):
-            made(**{**REFUSED_BY_RECONSTRUCTOR[name], name: other})
+def _mapped(read, settings):
+    return BoneMap.from_labels(read[1].placed_by(read[2]), sigma_mm=1.6) if settings["method"] in BONE_METHODS else None
+
+
+def _by_reconstructor(read, settings, engine):
+    if settings.get("probe") == "sector":
+        settings["apex_px"] = [19.3, -30.1]
+    poses = sweep_poses(read[0])
+    probe = None if {"probe", "apex_px"} & {*settings} else ProbeGeometry("linear")
+    reconstructor = Reconstructor(GRID, Recipe(**{"engine": engine, **settings}), _mapped(read, settings), probe=probe)
+    reconstructor.insert(tracked_frames(read[0], poses, poses.usable))
+    return _voxels(reconstructor.reconstruction())
+
+
+def _by_scan(read, settings):
+    source = QueueSource(limit=10_000)
+    for message in streamed(read[0]):
+        source.put(message)
+    bone, configuration = _mapped(read, settings), read[0].configuration
+    session = LiveSession(source, Recipe(**settings), bone, GRID, configuration=configuration, longest_delay=None)
+    session.start()
+    result = session.finish()
+    return None if result is None or not result.frames_inserted else _voxels(result)
+
+
+GIVEN = ("spacing", "grid_size", "bone_sigma_mm")
+DOORS = {
+    # It reads no file, and its grid and bone map are made
+    "reconstructor, numpy": (partial(_by_reconstructor, engine="numpy"), (*OF_READING, *GIVEN)),
+    "reconstructor, numba": (partial(_by_reconstructor, engine="numba"), (*OF_READING, *GIVEN)),
+    # A stream's server says how its images lie, and the configuration another probe
+    "live": (_by_scan, ("orientation", "probe")),
+}
+"""What makes a volume of settings, and which it refuses."""
+
+NOT_TRIED = {"bone_sigma_voxels", "bone_belief", "grid_to_reference", "method"}
+
+
+@pytest.mark.parametrize("name", sorted({*VALUES} - NOT_TRIED))
+@pytest.mark.parametrize("door", DOORS)
+def test_a_door_obeys_it_or_refuses_it(door, name, read):
+    make, refused = DOORS[door]
+    if door == "live" and name in GIVEN:
+        return  # those of its grid and bone map count
+    one, other = (_beside(name, value) for value in VALUES[name][:2])
+    if name in refused:
+        with pytest.raises(SettingsError, match=name):
+            make(read, other)
     else:
-        beside = {each: value for each, value in beside.items() if each not in ("method", "bone_sigma_mm")}
-        assert _voxels(made(**{**beside, name: one})) != _voxels(made(**{**beside, name: other}))
+        assert make(read, one) != make(read, other)
 
 
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
@@ -277,38 +308,6 @@ def test_a_window_s_job_is_that_of_python(name, read, in_python):
     job = ReconstructionJob(read[0], Recipe(**settings), _labeled(read, settings))
     ours = _voxels_or_error(lambda: reconstructed(job, ("score",)).result, name)
     assert ours == _voxels_or_error(lambda: in_python(**settings), name)
-
-
-REFUSED_LIVE = ("orientation", "probe")
-"""Settings that a stream's server says itself, and of which the configuration says otherwise."""
-
-LIVE_BOX = ("spacing", "grid_size", "grid_to_reference")
-"""Settings that say which voxels a scan has, as its grid here does."""
-
-
-@pytest.mark.parametrize("name", sorted({*VALUES} - {*LIVE_BOX, "bone_sigma_mm", "bone_sigma_voxels", "bone_belief", "method"}))
-def test_a_live_scan_obeys_it_or_refuses_it(name, read):
-    one, other, beside = VALUES[name]
-    method = SOME_METHODS.get(name, ("average",))[-1]
-    sequence, labels, place = read
-    bone = BoneMap.from_labels(labels.placed_by(place), sigma_mm=1.6) if method in BONE_METHODS else None
-
-    def made(value):
-        settings = {each: known for each, known in {**beside, "method": method, name: value}.items() if known is not None}
-        settings = {each: known for each, known in settings.items() if each != "bone_sigma_mm"}
-        source = QueueSource(limit=10_000)
-        for message in streamed(sequence):
-            source.put(message)
-        session = LiveSession(source, Recipe(**settings), bone, GRID, configuration=sequence.configuration, longest_delay=None)
-        session.start()
-        result = session.finish()
-        return None if result is None or not result.frames_inserted else _voxels(result)
-
-    if name in REFUSED_LIVE:
-        with pytest.raises(SettingsError, match=name):
-            made(other)
-    else:
-        assert made(one) != made(other)
 
 
 # ---- doors

@@ -12,16 +12,13 @@ from AIFReconLib.terminal import console
 from AIFReconLib.terminal.console import ProgressBar, _PlainStream, program
 
 
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-@pytest.mark.parametrize("stream", [Terminal(), io.StringIO()], ids=["terminal", "file"])
-def test_a_terminal_shows_a_bar_until_the_work_is_done_and_nothing_is_drawn_elsewhere(stream):
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_a_terminal_shows_a_bar_until_the_work_is_done_and_nothing_is_drawn_elsewhere(is_terminal):
+    stream = io.StringIO()
+    stream.isatty = lambda: is_terminal
     with ProgressBar(stream) as progress:
         assert progress(1.0, "Reconstructing") is True
-        assert (f"[{'#' * console.BAR_WIDTH}] 100%  Reconstructing" in stream.getvalue()) == stream.isatty()
+        assert (f"[{'#' * console.BAR_WIDTH}] 100%  Reconstructing" in stream.getvalue()) == is_terminal
     assert stream.getvalue().split("\r")[-2:][0].strip() == ""
 
 

@@ -6,15 +6,9 @@ import subprocess
 import sys
 
 import pytest
-from files import write_patient
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.terminal.log import FIRST_WORDS
-
-
-@pytest.fixture
-def patient(tmp_path):
-    return write_patient(tmp_path)
 
 
 def reconstruct(patient, tmp_path, *options) -> int:
@@ -78,6 +72,3 @@ def test_a_program_that_asks_for_nothing_is_shown_nothing():
         check=True,
     )
     assert (done.stdout, done.stderr) == ("", "")
-
-
-# ---- what is noted

@@ -58,14 +58,6 @@ def test_the_file_may_follow_the_spacing(spacing, option, patient, results):
     assert read_volume(output).grid.spacing == pytest.approx((1, 1, 1))
 
 
-def test_quiet_still_says_what_is_wrong(patient, results, capsys):
-    assert main([*patient.reconstruct, "-q", "--reference", "Nowhere", "-o", str(results / "v.nrrd")]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.startswith("aifrecon: ")
-    assert said.err.count("\n") == 1
-
-
 def test_all_words_behind_two_dashes_are_files():
     assert parser_of("convert").parse(["--mirror", "--", "-in.mha", "-out.mha"]).output == Path("-out.mha")
 

@@ -33,16 +33,16 @@ def test_an_error_is_the_one_that_was_raised_with_its_remedy_and_where(worker):
         worker.call(tasks.refuse, "file")
 
 
-@pytest.mark.parametrize(
-    ("kind", "words"),
-    [
-        ("cannot be pickled", "LocalError: of a class that nobody finds"),
-        ("two arguments", "TwoArguments: one and two"),
-        ("exit", "SystemExit: 3"),
-        ("answer", "lambda"),
-        ("memory", "Unable to allocate|array is too big"),
-    ],
-)
+STAY = {
+    "cannot be pickled": "LocalError: of a class that nobody finds",
+    "two arguments": "TwoArguments: one and two",
+    "exit": "SystemExit: 3",
+    "answer": "lambda",
+    "memory": "Unable to allocate|array is too big",
+}
+
+
+@pytest.mark.parametrize(("kind", "words"), STAY.items())
 def test_what_cannot_cross_is_an_error_in_its_words_and_the_worker_goes_on(worker, kind, words):
     with pytest.raises(Exception, match=words) as caught:
         worker.call(tasks.refuse, kind)

@@ -124,6 +124,7 @@ def test_within_slicer_its_own_python_is_the_program_and_never_slicer_itself(mon
 PROGRAM = """
 import os, sys, time
 print("the program runs", flush=True)
+import numpy as np
 import worker_tasks as tasks
 from AIFReconLib.worker.worker import Worker
 
@@ -159,25 +160,23 @@ def test_a_program_that_ends_lets_what_is_kept_finish(tmp_path):
     assert until(done.exists)
 
 
-@linux
-@pytest.mark.parametrize(
-    "doing",
-    ["worker.call(tasks.returned, 1)", "worker.begin(tasks.silent, 1000.0)", "worker.begin(tasks.computing, 1000.0)", "large(worker)"],
+DOING = (
+    "worker.call(tasks.returned, 1)",
+    "worker.begin(tasks.silent, 1000.0)",
+    "worker.begin(tasks.computing, 1000.0)",
+    "while True: worker.call(tasks.returned, np.ones(3_000_000))",
 )
+
+
+@linux
+@pytest.mark.parametrize("doing", DOING)
 def test_a_program_that_is_killed_leaves_no_process(tmp_path, doing):
     body = f"""
-import numpy as np
 worker.keep(tasks.Counter, {str(tmp_path / "done")!r})
 held = worker.call(tasks.filled, 1_000_000)
-def large(worker):
-    print(worker.pid, flush=True)
-    while True:
-        worker.call(tasks.returned, np.ones(3_000_000))
-if "large" not in {doing!r}:
-    {doing}
-    print(worker.pid, flush=True)
-    time.sleep(1000)
+print(worker.pid, flush=True)
 {doing}
+time.sleep(1000)
 """
     run = program(tmp_path, body)
     assert run.stdout is not None
