@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import ndimage
-from sweeps import rigid
+from sweeps import places, rigid
 
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import BoneMetrics
@@ -27,8 +27,7 @@ TURN = rigid((25.0, -35.0, 15.0), (100.0, -50.0, 20.0))
 
 def coordinates(grid: VoxelGrid, to_reference=TURN) -> np.ndarray:
     """u, v, s of every voxel, three [k, j, i] arrays, mm."""
-    k, j, i = np.indices(grid.shape)
-    return np.moveaxis(transform_points(np.linalg.inv(to_reference) @ grid.ijk_to_reference, np.stack([i, j, k], axis=-1)), -1, 0)
+    return np.moveaxis(transform_points(np.linalg.inv(to_reference), places(grid)), -1, 0)
 
 
 def grid_around(size, spacing, rotation_vector_deg=(0.0, 0.0, 0.0)) -> VoxelGrid:

@@ -4,27 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from sweeps import rigid, turned_grid
+from sweeps import places, rigid, turned_grid
 
 from AIFReconLib.evaluation.surface import bone_surface, distance_from_labels, interspinous_border
 from AIFReconLib.geometry.labels import centers_of_mass
-from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 RADIUS, CENTER = 9.0, np.array([1.3, -2.2, 0.7])
-
-
-def positions(grid: VoxelGrid) -> np.ndarray:
-    """Centers of all voxels in Reference, [k, j, i, 3], mm."""
-    k, j, i = np.indices(grid.shape)
-    return transform_points(grid.ijk_to_reference, np.stack([i, j, k], axis=-1))
 
 
 def ball(spacing=(0.9, 1.1, 1.3)) -> Volume:
     """Signed distance to a ball, on a turned, anisotropic grid around it."""
     grid = turned_grid(spacing, tuple(int(30 / s) for s in spacing))
     grid = VoxelGrid(grid.size, rigid(translation=CENTER) @ grid.ijk_to_reference)
-    return Volume(np.linalg.norm(positions(grid) - CENTER, axis=-1) - RADIUS, grid.ijk_to_reference)
+    return Volume(np.linalg.norm(places(grid) - CENTER, axis=-1) - RADIUS, grid.ijk_to_reference)
 
 
 def labels_of(distance: Volume) -> Volume:
