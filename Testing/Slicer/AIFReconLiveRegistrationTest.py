@@ -1,7 +1,6 @@
 """Self tests of the CT during a scan: placed after the scouting pass, watched, placed anew when the patient moves."""
 
 import numpy as np
-import slicer
 import tinyScene
 from openPanel import waitFor
 from simulatedPatient import FRAMES, OpenPatient
@@ -13,7 +12,7 @@ class AIFReconLiveRegistrationTest(OpenPatient):
     def setUp(self):
         super().setUp()
         # What a tracker's Reference lies under: moving it moves the patient from beneath the CT
-        self.patient = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
+        self.patient = tinyScene.addTransform("ReferenceToRAS", np.eye(4))
         tinyScene.putSweepUnder(self.nodes.browser, self.patient)
         self.follow(self.nodes.browser)
         self.transform = self.nodes.ctToReference

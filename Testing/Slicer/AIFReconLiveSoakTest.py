@@ -24,8 +24,7 @@ class AIFReconLiveSoakTest(OpenPanel):
         self.updates, self.sequence = 0, tinyScene.makeSequence()
         images = np.zeros((1, *self.sequence.images[0].shape), np.uint8)
         self.imageNode = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Image", images, np.eye(4))
-        self.transformNode = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ImageToReference")
-        self.imageNode.SetAndObserveTransformNodeID(self.transformNode.GetID())
+        self.transformNode = tinyScene.addTransform("ImageToReference", np.eye(4), self.imageNode)
         self.chooseBox()
         self.parameters.spacing = 1.0
         self.follow(None, self.imageNode)

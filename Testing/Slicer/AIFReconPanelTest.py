@@ -46,9 +46,7 @@ class AIFReconPanelTest(OpenPanel):
         ct = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "Bare CT")
         slicer.util.updateVolumeFromArray(ct, values if hounsfield else values + 1024)
         ct.SetSpacing(1.0, 1.2, 1.5)
-        place = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode")
-        tinyScene.setMatrix(place, tinyScene.moved(5.0, -7.0, 11.0))
-        ct.SetAndObserveTransformNodeID(place.GetID())
+        tinyScene.addTransform("Place", tinyScene.moved(5.0, -7.0, 11.0), ct)
         self.parameters.ctVolume = ct
         return ct
 

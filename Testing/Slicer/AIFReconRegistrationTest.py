@@ -104,8 +104,7 @@ class AIFReconRegistrationTest(OpenPatient):
         for node in (bone, ct):
             node.SetAndObserveTransformNodeID(None)
         # The sweep is moved instead, to where the CT nearly lies: a CT in its own coordinates
-        above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
-        tinyScene.setMatrix(above, np.linalg.inv(true) @ motion)
+        above = tinyScene.addTransform("ReferenceToRAS", np.linalg.inv(true) @ motion)
         tinyScene.putSweepUnder(self.nodes.browser, above)
         count = slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLLinearTransformNode")
         self.ui.placeButton.click()
@@ -118,11 +117,9 @@ class AIFReconRegistrationTest(OpenPatient):
         self.assertEqual(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLLinearTransformNode"), count)
 
     def test_a_transform_above_sweep_and_ct_is_left_alone(self):
-        above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
         place = tinyScene.moved(10.0, 20.0, 30.0) @ tinyScene.rotation(2, 30.0)
-        tinyScene.setMatrix(above, place)
+        above = tinyScene.addTransform("ReferenceToRAS", place, self.transform)
         tinyScene.putSweepUnder(self.nodes.browser, above)
-        self.transform.SetAndObserveTransformNodeID(above.GetID())
         self.displace()
         self.ui.placeButton.click()
         np.testing.assert_array_equal(tinyScene.matrixOf(above), place)
@@ -160,10 +157,7 @@ class AIFReconRegistrationTest(OpenPatient):
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
 
     def test_a_warping_transform_is_refused_in_a_sentence(self):
-        warping = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTransformNode", "Warp")
-        tinyScene.makeWarping(warping)
-        for node in (self.nodes.ct, self.nodes.segmentation):
-            node.SetAndObserveTransformNodeID(warping.GetID())
+        tinyScene.addWarping(self.nodes.ct, self.nodes.segmentation)
         self.assertIn("must be linear", self.messageOf(self.ui.placeButton.click))
 
     # ---- checking

@@ -10,8 +10,8 @@ import pytest
 from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+import tinyScene  # noqa: E402
 import vtk  # noqa: E402
-from scene_host import class_counts, transform_node, volume_node  # noqa: E402
 
 from AIFReconLib.bone.map import BoneMap  # noqa: E402
 from AIFReconLib.bone.widths import SIGMA_VOXELS, voxels_around  # noqa: E402
@@ -51,7 +51,7 @@ def ids(node, *names):
 
 
 def under(node, matrix):
-    node.SetAndObserveTransformNodeID(transform_node(node.GetScene(), matrix, "Registration").GetID())
+    tinyScene.addTransform("Registration", matrix, node)
     return node
 
 
@@ -83,8 +83,8 @@ def assert_equal(found: BoneMap, expected: BoneMap) -> None:
 def test_a_ct_under_a_transform_lies_where_the_registration_puts_it_in_millimeters(scene, kind):
     made = {
         "segmentation": lambda: segmentation_node(scene, {"L3": ball_labels()}),
-        "labelmap": lambda: volume_node(scene, ball_labels(), CT_MATRIX, class_name="vtkMRMLLabelMapVolumeNode"),
-        "probability": lambda: volume_node(scene, ball_labels().astype(np.float32), CT_MATRIX),
+        "labelmap": lambda: tinyScene.addVolume("vtkMRMLLabelMapVolumeNode", "Labels", ball_labels(), CT_MATRIX),
+        "probability": lambda: tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Sure", ball_labels().astype(np.float32), CT_MATRIX),
     }[kind]()
     bone = bone_of(under(made, REGISTRATION), **({} if kind == "probability" else {"sigmaVoxels": 1.0}))
     k, j, i = np.nonzero(bone.probability.array > (0.5 if kind == "probability" else -1))
@@ -165,15 +165,15 @@ def sphere_surface_node(scene):
 def test_surfaces_become_voxels_of_the_ct_and_stay_as_they_were(scene):
     from AIFReconScene.inputs.boneNodes import labelsFromNode
 
-    ct = volume_node(scene, np.zeros((40, 40, 40), np.int16), np.array([[1, 0, 0, -10], [0, 1, 0, 0], [0, 0, 1, 10], [0, 0, 0, 1.0]]))
+    ct = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "CT", np.zeros((40, 40, 40), np.int16), tinyScene.moved(-10.0, 0.0, 10.0))
     node = sphere_surface_node(scene)
-    before = class_counts(scene)
+    before = tinyScene.nodeIDs()
     labels = labelsFromNode(node, referenceVolumeNode=ct)
     k, j, i = np.nonzero(labels.array)
     center = labels.ijk_to_reference @ [i.mean(), j.mean(), k.mean(), 1]
     assert np.allclose(center[:3], (10, 20, 30), atol=0.2)
     assert len(i) == pytest.approx(4 / 3 * np.pi * 8**3, rel=0.05)
-    assert class_counts(scene) == before
+    assert tinyScene.nodeIDs() == before
     assert not node.GetSegmentation().ContainsRepresentation(slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName())
 
 
@@ -220,20 +220,15 @@ def test_a_volume_file_and_a_volume_node_lie_in_the_same_place(scene, tmp_path):
     assert storage.ReadData(loaded)
     made = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode")
     updateVolumeNode(made, volume)
-    matrices = [vtk.vtkMatrix4x4(), vtk.vtkMatrix4x4()]
-    loaded.GetIJKToRASMatrix(matrices[0])
-    made.GetIJKToRASMatrix(matrices[1])
-    assert np.allclose(*[slicer.util.arrayFromVTKMatrix(m) for m in matrices], atol=1e-6)
+    assert np.allclose(tinyScene.ijkToRAS(loaded), tinyScene.ijkToRAS(made), atol=1e-6)
     assert np.array_equal(slicer.util.arrayFromVolume(loaded), slicer.util.arrayFromVolume(made))
 
 
 def test_an_existing_node_under_a_transform_shows_the_result_in_its_place(scene):
     from AIFReconScene.volumes.volumeNodes import outputNodes
 
-    node = volume_node(scene, np.zeros((2, 2, 2), np.int16), np.eye(4), parent=transform_node(scene, REGISTRATION))
+    node = under(tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Shown", np.zeros((2, 2, 2), np.int16), np.eye(4)), REGISTRATION)
     made = Volume(np.ones((6, 7, 8), np.uint8), CT_MATRIX)
     outputNodes(SimpleNamespace(intensity=made, mask=made, method="weighted"), "Sweep", nodes={"intensity": node})
-    bounds = [0.0] * 6
-    node.GetRASBounds(bounds)
     expected = [CT_MATRIX @ [i, j, k, 1] for i in (-0.5, 7.5) for j in (-0.5, 6.5) for k in (-0.5, 5.5)]
-    assert np.allclose(np.array(bounds).reshape(3, 2), np.array([np.min(expected, axis=0), np.max(expected, axis=0)]).T[:3], atol=1e-6)
+    assert np.allclose(tinyScene.boundsOf(node), np.array([np.min(expected, axis=0), np.max(expected, axis=0)]).T[:3], atol=1e-6)

@@ -8,7 +8,7 @@ import pytest
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 vtk = pytest.importorskip("vtk", reason="vtk is not installed")
 
-import scene_host  # noqa: E402
+import tinyScene  # noqa: E402
 from host import missing  # noqa: E402
 
 if reason := missing():
@@ -29,8 +29,8 @@ def test_a_transform_moves_a_volume_in_the_view(scene):
     place = np.eye(4)
     place[:3, 3] = bright - (12, 17, 9)
     moved[:3, 3] = -20.0, 6.0, 3.0
-    node = scene_host.volume_node(scene, array, place, parent=scene_host.transform_node(scene, moved))
-    node.CreateDefaultDisplayNodes()
+    node = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Moved", array, place)
+    tinyScene.addTransform("Move", moved, node)
     node.GetDisplayNode().SetAutoWindowLevel(False)
     node.GetDisplayNode().SetWindowLevelMinMax(0, 255)
     center = np.add(bright, (-15.0, 8.0, 3.0))
