@@ -2,7 +2,6 @@
 
 import numpy as np
 import tinyScene
-from openPanel import waitFor
 from simulatedPatient import FRAMES, OpenPatient
 
 
@@ -18,25 +17,16 @@ class AIFReconLiveRegistrationTest(OpenPatient):
         self.transform = self.nodes.ctToReference
         self.true = tinyScene.matrixOf(self.transform)
 
-    def play(self, frames=range(FRAMES)):
-        """Show frames of the sweep, each until the scan has received it and its bone was looked for."""
+    def playFrames(self, browser, frames):
+        """And until the bone of each was looked for."""
         for number in frames:
             seen = self.live._live.statistics.frames_received
-            self.playFrames(self.nodes.browser, [number])
+            super().playFrames(browser, [number])
             self.waitUntil(lambda seen=seen: self.live._live.seen.compared >= seen)
 
-    def playUntil(self, condition):
-        """Show the sweep again and again: how much of it the last seconds hold depends on how busy this machine is."""
-        for number in 5 * list(range(FRAMES)):
-            if waitFor(condition, 0.0 if number % 3 else 0.5):
-                return
-            self.play([number])
-        self.waitUntil(condition)
-
-    def start(self):
-        """Begin a scan; the frame that is shown already would not be a new one."""
-        self.show(self.nodes.browser, FRAMES - 1)
-        self.ui.liveStartButton.click()
+    def play(self, frames=range(FRAMES)):
+        """Show frames of the sweep."""
+        self.playFrames(self.nodes.browser, frames)
 
     def off(self, place: np.ndarray) -> float:
         """By how many mm the middle of the bone is away from where `place` has it."""

@@ -4,7 +4,6 @@ import threading
 import time
 from unittest import mock
 
-import numpy as np
 import slicer
 import tinyScene
 from openPanel import OpenPanel
@@ -21,32 +20,23 @@ class AIFReconLiveSoakTest(OpenPanel):
         asking = mock.patch("AIFReconScene.live.liveReconstruction.ASK_EVERY", 0.0)
         asking.start()
         self.addCleanup(asking.stop)
-        self.updates, self.sequence = 0, tinyScene.makeSequence()
-        images = np.zeros((1, *self.sequence.images[0].shape), np.uint8)
-        self.imageNode = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Image", images, np.eye(4))
-        self.transformNode = tinyScene.addTransform("ImageToReference", np.eye(4), self.imageNode)
+        self.updates, self.sweep = 0, tinyScene.addSweep()
         self.chooseBox()
         self.parameters.spacing = 1.0
-        self.follow(None, self.imageNode)
+        self.follow(self.sweep)
         self.parameters.liveRecord = False
         self.ui.liveStartButton.click()
 
-    def scan(self):
-        """The scan that is under way."""
-        return self.live._live
+    scan = property(lambda self: self.live._live)
 
     def change(self) -> None:
-        """Pose, status and pixels of the next frame."""
-        place = self.updates % len(self.sequence)
+        """Pose, status and pixels of the next frame; the first one is shown already."""
         self.updates += 1
-        [pose] = self.sequence.records[place].transforms.values()
-        tinyScene.setMatrix(self.transformNode, pose.matrix)
-        self.transformNode.SetAttribute("TransformStatus", pose.status.value)
-        slicer.util.updateVolumeFromArray(self.imageNode, self.sequence.images[place][None])
+        self.show(self.sweep, self.updates % tinyScene.FRAMES)
 
     def taken(self) -> int:
         """Updates that the scan knows of."""
-        statistics = self.scan().statistics
+        statistics = self.scan.statistics
         return statistics.frames_received + statistics.dropped_images
 
     def update(self) -> None:
@@ -56,7 +46,7 @@ class AIFReconLiveSoakTest(OpenPanel):
 
     def disturb(self, turn: int) -> None:
         """What a user does meanwhile: pauses, empties the volume, deletes what is shown."""
-        scan = self.scan()
+        scan = self.scan
         if turn % 4 == 0:
             self.ui.livePauseButton.checked = True
             self.update()
@@ -73,7 +63,7 @@ class AIFReconLiveSoakTest(OpenPanel):
 
     def look(self) -> tuple:
         """How many nodes and observers there are, and threads; what was deleted comes back with the images that follow."""
-        scan, scene, end = self.scan(), slicer.mrmlScene, time.monotonic() + 300.0
+        scan, scene, end = self.scan, slicer.mrmlScene, time.monotonic() + 300.0
         while (scan._views.frameNode is None or scan.volumeNode is None) and time.monotonic() < end:
             self.update()
         nodes = [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
@@ -93,7 +83,7 @@ class AIFReconLiveSoakTest(OpenPanel):
                 self.disturb(number // DISTURB_EVERY)
             if number % LOOK_EVERY == 0:
                 looks.append(self.look())
-        live = self.scan()
+        live = self.scan
         # What was deleted was made anew, and is shown
         self.assertEqual(self.composite().GetBackgroundVolumeID(), live._views.frameNode.GetID())
         self.assertIs(self.parameters.output, live.volumeNode)

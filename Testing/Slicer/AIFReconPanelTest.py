@@ -82,10 +82,17 @@ class AIFReconPanelTest(OpenPanel):
     # ---- work
 
     def test_the_methods_are_compared_in_a_table(self):
+        from AIFReconLib.evaluation.quantities import HEADINGS
+
         self.addInputs()
         self.ui.compareButton.click()
         table = slicer.util.getNodesByClass("vtkMRMLTableNode")[-1]
         self.assertEqual(table.GetNumberOfRows(), 4)
+        columns = [table.GetTable().GetColumn(number) for number in range(table.GetNumberOfColumns())]
+        self.assertEqual([each.GetName().rstrip(" \u2191\u2193") for each in columns], ["volume", *HEADINGS.values()])
+        # Rounded, as numbers, by which a table can be sorted
+        found = [columns[1 + list(HEADINGS).index("bone_cnr")].GetValue(row) for row in range(4)]
+        self.assertEqual(found, [round(each, 2) for each in found])
         made = {node.GetAttribute("AIFRecon.Method") for node in slicer.util.getNodesByClass("vtkMRMLScalarVolumeNode")}
         self.assertEqual(made - {None}, {"average", "aif", "aif-compensated", "weighted"})
 

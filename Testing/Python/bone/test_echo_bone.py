@@ -241,16 +241,6 @@ def test_a_configuration_that_names_a_method_is_followed(patient, tmp_path, caps
     assert "No CT" not in said
 
 
-@pytest.mark.parametrize("other", ["--bone-labels", "--bone-probability", "--bone-transform"])
-def test_the_command_takes_one_source_of_bone(other, patient, tmp_path, capsys):
-    command = [*patient.reconstruct, "--bone-from-sweep", other, str(patient.transform), "--output", str(tmp_path / "v.nrrd")]
-    assert main(command) == 2
-    message = capsys.readouterr().err
-    assert "--bone-from-sweep" in message
-    assert other in message
-    assert not (tmp_path / "v.nrrd").exists()
-
-
 # Real recordings
 
 

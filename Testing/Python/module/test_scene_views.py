@@ -68,14 +68,6 @@ def test_the_output_covers_the_ct_and_views_go_to_it_in_millimeters(logic, ct, o
     assert 20 < max(slice_node.GetFieldOfView()[:2]) < 80
 
 
-def test_without_a_ct_the_output_is_the_background(logic, output):
-    from AIFReconScene.display.sliceDisplay import showOverCT
-
-    showOverCT(output, None, 0.5)
-    assert composite(logic, "Red").GetBackgroundVolumeID() == output.GetID()
-    assert not composite(logic, "Red").GetForegroundVolumeID()
-
-
 # ---- side by side
 
 
