@@ -4,6 +4,7 @@ import threading
 import time
 from unittest import mock
 
+import numpy as np
 import slicer
 import tinyScene
 from openPanel import OpenPanel
@@ -20,19 +21,26 @@ class AIFReconLiveSoakTest(OpenPanel):
         asking = mock.patch("AIFReconScene.live.liveReconstruction.ASK_EVERY", 0.0)
         asking.start()
         self.addCleanup(asking.stop)
-        self.updates, self.sweep = 0, tinyScene.addSweep()
+        self.updates, self.sequence = 0, tinyScene.makeSequence()
+        images = np.zeros((1, *self.sequence.images[0].shape), np.uint8)
+        self.imageNode = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Image", images, np.eye(4))
+        self.transformNode = tinyScene.addTransform("ImageToReference", np.eye(4), self.imageNode)
         self.chooseBox()
         self.parameters.spacing = 1.0
-        self.follow(self.sweep)
+        self.follow(None, self.imageNode)
         self.parameters.liveRecord = False
         self.ui.liveStartButton.click()
 
     scan = property(lambda self: self.live._live)
 
     def change(self) -> None:
-        """Pose, status and pixels of the next frame; the first one is shown already."""
+        """Pose, status and pixels of the next frame."""
+        place = self.updates % len(self.sequence)
         self.updates += 1
-        self.show(self.sweep, self.updates % tinyScene.FRAMES)
+        [pose] = self.sequence.records[place].transforms.values()
+        tinyScene.setMatrix(self.transformNode, pose.matrix)
+        self.transformNode.SetAttribute("TransformStatus", pose.status.value)
+        slicer.util.updateVolumeFromArray(self.imageNode, self.sequence.images[place][None])
 
     def taken(self) -> int:
         """Updates that the scan knows of."""

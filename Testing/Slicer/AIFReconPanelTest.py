@@ -1,13 +1,11 @@
 """Self tests of the panel: nodes to widgets and back, what can be pressed and why not, cancel, a scene that is closed or saved, reload."""
 
 import importlib
-import logging
 from unittest import mock
 
 import numpy as np
 import slicer
 import tinyScene
-import workerStates
 from openPanel import OpenPanel
 
 
@@ -153,13 +151,6 @@ class AIFReconPanelTest(OpenPanel):
         with mock.patch.object(sampleData, "addPhantom", side_effect=OutputError("No space.")):
             said = self.messageOf(self.ui.sampleButton.click)
         self.assertEqual(said, "The sample patient could not be made.\n\nNo space.")
-
-    def test_what_the_library_notes_in_the_worker_reaches_the_application_s_log(self):
-        from AIFReconScene.work import inWorker
-
-        with self.assertLogs("AIFReconLib.live", logging.ERROR) as seen:
-            inWorker(workerStates.note, "noted")
-        self.assertEqual(seen.output, ["ERROR:AIFReconLib.live:noted"])
 
     def test_the_module_can_be_reloaded(self):
         before = self.widget

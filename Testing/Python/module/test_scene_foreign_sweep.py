@@ -199,6 +199,17 @@ def test_a_transform_is_known_by_whichever_of_its_names_says_where_it_leads(scen
     assert np.allclose(poses_of(browser)[1], CALIBRATION, atol=1e-12)
 
 
+def test_what_is_known_of_a_sweep_is_looked_up_again_when_a_node_that_is_replayed_into_is_renamed(scene):
+    from AIFReconScene.sweep.sweepStatus import SweepStatus
+
+    recorded = sequence_of(scene, "S", pose_nodes([CALIBRATION] * 3, "T"))
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    status = SweepStatus()
+    assert status.of(browser).problem
+    browser.GetProxyNode(recorded).SetName("ImageToReference")
+    assert status.of(browser).lines == ["3 of 3 frames have a position."]
+
+
 # ---- poses within the images
 
 
