@@ -12,26 +12,11 @@ from simulatedPatient import OpenPatient, addPatient
 class AIFReconRegistrationTest(OpenPatient):
     """The section, as a user works with it, on a patient whose true place is known."""
 
-    def setUp(self):
-        super().setUp()
-        self.transform = self.nodes.ctToReference
-        self.true = tinyScene.matrixOf(self.transform)
-
     def displace(self, motion=None):
         """Move the CT from its true place; where it is then."""
         motion = tinyScene.moved(5.0, -4.0, 3.0) @ tinyScene.rotation(0, 4.0) if motion is None else motion
         tinyScene.setMatrix(self.transform, self.true @ motion)
         return tinyScene.matrixOf(self.transform)
-
-    def error(self, place=None) -> float:
-        """Mean distance in mm by which the bone is off a place, else its true one."""
-        from AIFReconScene.inputs.boneNodes import labelsFromNode
-
-        labels = labelsFromNode(self.nodes.segmentation, world=False)
-        k, j, i = np.nonzero(labels.array)
-        points = labels.ijk_to_reference @ np.stack([i, j, k, np.ones_like(i)])[:, :: max(len(i) // 500, 1)].astype(float)
-        off = tinyScene.worldOf(self.nodes.segmentation) - (self.true if place is None else place)
-        return float(np.linalg.norm((off @ points)[:3], axis=0).mean())
 
     def echoModels(self) -> list:
         """Model nodes with echoes."""

@@ -4,6 +4,8 @@ import itertools
 from dataclasses import replace
 from functools import lru_cache
 
+import numpy as np
+import tinyScene
 from openPanel import OpenPanel, waitFor
 
 FRAMES = 27
@@ -48,8 +50,20 @@ class OpenPatient(OpenPanel):
     def setUp(self):
         super().setUp()
         self.nodes = addPatient(frames=self.frames)
+        self.transform = self.nodes.ctToReference
+        self.true = tinyScene.matrixOf(self.transform)
         self.widget.initializeParameterNode()
         self.parameters.spacing = self.spacing
+
+    def error(self, place=None) -> float:
+        """Mean distance in mm by which the bone is off a place, else its true one."""
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+        labels = labelsFromNode(self.nodes.segmentation, world=False)
+        k, j, i = np.nonzero(labels.array)
+        points = labels.ijk_to_reference @ np.stack([i, j, k, np.ones_like(i)])[:, :: max(len(i) // 500, 1)].astype(float)
+        off = tinyScene.worldOf(self.nodes.segmentation) - (self.true if place is None else place)
+        return float(np.linalg.norm((off @ points)[:3], axis=0).mean())
 
     def start(self):
         """Begin a scan of the sweep; the frame that is shown already would not be a new one."""

@@ -257,13 +257,8 @@ def test_a_sweep_decides_which_bone_of_the_labels_counts():
     sequence = TrackedSequence.from_arrays(np.full((1, size[1], size[0]), 90, np.uint8), pose[None])
     beams = SweepBeams(pose[None], (size[0], size[1]), ProbeGeometry(LINEAR), ImageRegion())
     shown = volume(noise())
-    with_sweep = evaluate(
-        shown, labels, sweep=replace(sequence, configuration=PlusConfiguration(probe=ProbeGeometry(LINEAR), region=whole(size)))
-    )
+    whole = ImageRegion(ClipRectangle((0.0, 0.0), (float(size[0]), float(size[1]))))
+    configured = replace(sequence, configuration=PlusConfiguration(probe=ProbeGeometry(LINEAR), region=whole))
+    with_sweep = evaluate(shown, labels, sweep=configured)
     assert with_sweep.to_dict() == pytest.approx(evaluate(shown, bone_truth(labels, beams)).to_dict(), nan_ok=True)
     assert with_sweep.bone.area < 0.5 * evaluate(shown, labels).bone.area
-
-
-def whole(size) -> ImageRegion:
-    """All of an image."""
-    return ImageRegion(ClipRectangle((0.0, 0.0), (float(size[0]), float(size[1]))))
