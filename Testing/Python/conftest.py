@@ -17,6 +17,8 @@ settings.register_profile("any speed", deadline=None, max_examples=50, suppress_
 settings.load_profile("any speed")
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+# The small scene of the module's self tests serves here too
+sys.path.append(str(REPOSITORY / "Testing" / "Slicer"))
 
 # Shells start jobs in the background so that they ignore Ctrl-C, nohup so that they ignore the end of the terminal. Programs that tests
 # start and interrupt would inherit that, and never end

@@ -1,4 +1,4 @@
-"""A session in which nothing is inserted, for watches of guidance: a test shows it one frame after the other."""
+"""For guidance: lit images of the simulated probe, and a session in which nothing is inserted, shown one frame after the other."""
 
 from __future__ import annotations
 
@@ -7,14 +7,24 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
+import numpy as np
 from waiting import until
 
-from AIFReconLib.effective_settings import Imaging
+from AIFReconLib.effective_settings import Imaging, imaging_fields
 from AIFReconLib.guidance.probe import ProbeImages
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.sweep.frames import TrackedSequence
 
 IMAGES = ProbeImages.simulated()
+RECIPE = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))
+LIT = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
+
+
+def sweep_at(poses, image=LIT) -> TrackedSequence:
+    """A recording of one image at these poses."""
+    return TrackedSequence.from_arrays(np.stack([image] * len(poses)), np.stack(poses), np.arange(len(poses)) * 0.1)
 
 
 class IdleSession:

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import Reconstruction
+from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame, TrackedSequence
@@ -53,6 +54,11 @@ def turned_grid(spacing=(0.9, 1.1, 1.3), size=(14, 15, 13), rotation_vector_deg=
     return VoxelGrid(size, matrix)
 
 
+def places(grid: VoxelGrid) -> np.ndarray:
+    """Centers of all voxels in Reference, [k, j, i, 3], mm."""
+    return transform_points(grid.ijk_to_reference, np.moveaxis(np.indices(grid.shape)[::-1], 0, -1).astype(float))
+
+
 def compounded(frames, grid=None, bone=None, probe=None, region=None, importance=None, **settings) -> Reconstruction:
     """What frames put into a grid give: floating point, holes left as they are, unless told otherwise."""
     wanted = ReconstructionSettings(**{"hole_limit": 0.0, "output_type": "float32", **settings})
@@ -66,8 +72,7 @@ def sphere_bone(radius=4.0, center=(0.5, -0.3, 0.8), sigma_mm=1.5) -> BoneMap:
     size, spacing = 30, 0.8
     matrix = rigid((5.0, 10.0, -20.0)) @ np.diag([spacing, spacing, spacing, 1.0])
     matrix[:3, 3] = np.asarray(center) - matrix[:3, :3] @ np.full(3, (size - 1) / 2)
-    k, j, i = np.indices((size,) * 3)
-    distance = np.sqrt(((np.stack([i, j, k]) - (size - 1) / 2) ** 2).sum(axis=0)) * spacing
+    distance = np.linalg.norm(places(VoxelGrid((size,) * 3, matrix)) - center, axis=-1)
     return BoneMap.from_labels(Volume((distance < radius).astype(np.uint8), matrix), sigma_mm=sigma_mm)
 
 

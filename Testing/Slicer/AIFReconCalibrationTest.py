@@ -138,9 +138,8 @@ class AIFReconCalibrationTest(OpenPanel):
         name = TransformName("Image", "Probe")
         matrix = np.array(self.wrong.transforms[name].matrix)
         self.add(replace(patient().sweep, configuration=NO_CONFIGURATION))
-        node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", str(name))
         # Some calibrations say nothing of the way out of the image
-        tinyScene.setMatrix(node, matrix @ np.diag([1.0, 1.0, 0.3, 1.0]))
+        node = tinyScene.addTransform(str(name), matrix @ np.diag([1.0, 1.0, 0.3, 1.0]))
         self.widget.initializeParameterNode()
         before, kept = self.poses(), tinyScene.matrixOf(node)
         self.assertGreater(self.off(), 2.0)

@@ -1,16 +1,11 @@
 """Self tests of guidance: bone colored by what a recorded sweep or a scan has met, shares, the next move, and sentences in their place."""
 
-import itertools
 from unittest import mock
 
 import numpy as np
 import slicer
 import tinyScene
-from openPanel import waitFor
-from simulatedPatient import FRAMES, OpenPatient
-
-MOST_ROUNDS = 300
-"""Over the sweep until what must come has come."""
+from simulatedPatient import OpenPatient
 
 OWN = ("Bone met", "Colors of bone met", "Advised probe")
 
@@ -55,16 +50,7 @@ class AIFReconGuidanceTest(OpenPatient):
     def start(self):
         """Begin a scan with the box set."""
         self.parameters.guidance = True
-        self.show(self.nodes.browser, FRAMES - 1)
-        self.ui.liveStartButton.click()
-
-    def playUntil(self, condition):
-        """Show the sweep again and again until something holds."""
-        for start in itertools.islice(itertools.cycle(range(3)), MOST_ROUNDS):
-            self.playFrames(self.nodes.browser, range(start, FRAMES, 3))
-            if waitFor(condition, 0.2):
-                return
-        self.fail(f"It did not come in {MOST_ROUNDS} rounds: {self.live._live.statistics}")
+        super().start()
 
     def model(self, name="Bone met"):
         """A node of ours, or None."""
@@ -80,9 +66,7 @@ class AIFReconGuidanceTest(OpenPatient):
 
     def own(self):
         """All nodes that guidance has made."""
-        scene = slicer.mrmlScene
-        nodes = [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
-        return [node for node in nodes if node.GetName() in OWN]
+        return [node for node in map(slicer.mrmlScene.GetNodeByID, tinyScene.nodeIDs()) if node.GetName() in OWN]
 
     # ---- a recorded sweep
 

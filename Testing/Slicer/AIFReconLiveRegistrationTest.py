@@ -1,9 +1,7 @@
 """Self tests of the CT during a scan: placed after the scouting pass, watched, placed anew when the patient moves."""
 
 import numpy as np
-import slicer
 import tinyScene
-from openPanel import waitFor
 from simulatedPatient import FRAMES, OpenPatient
 
 
@@ -13,38 +11,20 @@ class AIFReconLiveRegistrationTest(OpenPatient):
     def setUp(self):
         super().setUp()
         # What a tracker's Reference lies under: moving it moves the patient from beneath the CT
-        self.patient = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
+        self.patient = tinyScene.addTransform("ReferenceToRAS", np.eye(4))
         tinyScene.putSweepUnder(self.nodes.browser, self.patient)
         self.follow(self.nodes.browser)
-        self.transform = self.nodes.ctToReference
-        self.true = tinyScene.matrixOf(self.transform)
 
-    def play(self, frames=range(FRAMES)):
-        """Show frames of the sweep, each until the scan has received it and its bone was looked for."""
+    def playFrames(self, browser, frames):
+        """And until the bone of each was looked for."""
         for number in frames:
             seen = self.live._live.statistics.frames_received
-            self.playFrames(self.nodes.browser, [number])
+            super().playFrames(browser, [number])
             self.waitUntil(lambda seen=seen: self.live._live.seen.compared >= seen)
 
-    def playUntil(self, condition):
-        """Show the sweep again and again: how much of it the last seconds hold depends on how busy this machine is."""
-        for number in 5 * list(range(FRAMES)):
-            if waitFor(condition, 0.0 if number % 3 else 0.5):
-                return
-            self.play([number])
-        self.waitUntil(condition)
-
-    def start(self):
-        """Begin a scan; the frame that is shown already would not be a new one."""
-        self.show(self.nodes.browser, FRAMES - 1)
-        self.ui.liveStartButton.click()
-
-    def off(self, place: np.ndarray) -> float:
-        """By how many mm the middle of the bone is away from where `place` has it."""
-        bounds = np.zeros(6)
-        self.nodes.ct.GetImageData().GetBounds(bounds)
-        middle = tinyScene.ijkToRAS(self.nodes.ct) @ [*bounds.reshape(3, 2).mean(axis=1), 1.0]
-        return float(np.linalg.norm((tinyScene.matrixOf(self.transform) - place) @ middle))
+    def play(self, frames=range(FRAMES)):
+        """Show frames of the sweep."""
+        self.playFrames(self.nodes.browser, frames)
 
     def test_after_the_scouting_pass_the_ct_is_placed_and_the_box_is_used_with_it(self):
         tinyScene.setMatrix(self.transform, self.true @ tinyScene.moved(5.0, -4.0, 3.0))
@@ -52,7 +32,7 @@ class AIFReconLiveRegistrationTest(OpenPatient):
         self.assertTrue(self.live._live.seen.is_scouting)
         self.play()
         self.ui.livePlaceButton.click()
-        self.assertLess(self.off(self.true), 1.0)
+        self.assertLess(self.error(), 1.0)
         self.ui.liveUseBoxButton.click()
         self.play(range(3))
         self.waitUntil(lambda: self.live._live.statistics.inserted >= FRAMES)
@@ -68,7 +48,7 @@ class AIFReconLiveRegistrationTest(OpenPatient):
         self.play()
         self.assertTrue(self.ui.livePlaceButton.enabled)
         self.ui.livePlaceButton.click()
-        self.assertLess(self.off(motion @ self.true), 1.5, self.ui.registrationLabel.text)
+        self.assertLess(self.error(motion @ self.true), 1.5, self.ui.registrationLabel.text)
         self.waitUntil(lambda: "no longer fits" not in self.ui.liveStateLabel.text)
         self.ui.undoPlaceButton.click()
         self.waitUntil(lambda: not self.ui.undoPlaceButton.enabled)

@@ -24,17 +24,14 @@ class AIFReconLiveSoakTest(OpenPanel):
         self.updates, self.sequence = 0, tinyScene.makeSequence()
         images = np.zeros((1, *self.sequence.images[0].shape), np.uint8)
         self.imageNode = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Image", images, np.eye(4))
-        self.transformNode = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ImageToReference")
-        self.imageNode.SetAndObserveTransformNodeID(self.transformNode.GetID())
+        self.transformNode = tinyScene.addTransform("ImageToReference", np.eye(4), self.imageNode)
         self.chooseBox()
         self.parameters.spacing = 1.0
         self.follow(None, self.imageNode)
         self.parameters.liveRecord = False
         self.ui.liveStartButton.click()
 
-    def scan(self):
-        """The scan that is under way."""
-        return self.live._live
+    scan = property(lambda self: self.live._live)
 
     def change(self) -> None:
         """Pose, status and pixels of the next frame."""
@@ -47,7 +44,7 @@ class AIFReconLiveSoakTest(OpenPanel):
 
     def taken(self) -> int:
         """Updates that the scan knows of."""
-        statistics = self.scan().statistics
+        statistics = self.scan.statistics
         return statistics.frames_received + statistics.dropped_images
 
     def update(self) -> None:
@@ -57,7 +54,7 @@ class AIFReconLiveSoakTest(OpenPanel):
 
     def disturb(self, turn: int) -> None:
         """What a user does meanwhile: pauses, empties the volume, deletes what is shown."""
-        scan = self.scan()
+        scan = self.scan
         if turn % 4 == 0:
             self.ui.livePauseButton.checked = True
             self.update()
@@ -74,7 +71,7 @@ class AIFReconLiveSoakTest(OpenPanel):
 
     def look(self) -> tuple:
         """How many nodes and observers there are, and threads; what was deleted comes back with the images that follow."""
-        scan, scene, end = self.scan(), slicer.mrmlScene, time.monotonic() + 300.0
+        scan, scene, end = self.scan, slicer.mrmlScene, time.monotonic() + 300.0
         while (scan._views.frameNode is None or scan.volumeNode is None) and time.monotonic() < end:
             self.update()
         nodes = [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
@@ -94,7 +91,7 @@ class AIFReconLiveSoakTest(OpenPanel):
                 self.disturb(number // DISTURB_EVERY)
             if number % LOOK_EVERY == 0:
                 looks.append(self.look())
-        live = self.scan()
+        live = self.scan
         # What was deleted was made anew, and is shown
         self.assertEqual(self.composite().GetBackgroundVolumeID(), live._views.frameNode.GetID())
         self.assertIs(self.parameters.output, live.volumeNode)

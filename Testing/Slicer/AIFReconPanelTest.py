@@ -1,13 +1,11 @@
 """Self tests of the panel: nodes to widgets and back, what can be pressed and why not, cancel, a scene that is closed or saved, reload."""
 
 import importlib
-import logging
 from unittest import mock
 
 import numpy as np
 import slicer
 import tinyScene
-import workerStates
 from openPanel import OpenPanel
 
 
@@ -46,9 +44,7 @@ class AIFReconPanelTest(OpenPanel):
         ct = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "Bare CT")
         slicer.util.updateVolumeFromArray(ct, values if hounsfield else values + 1024)
         ct.SetSpacing(1.0, 1.2, 1.5)
-        place = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode")
-        tinyScene.setMatrix(place, tinyScene.moved(5.0, -7.0, 11.0))
-        ct.SetAndObserveTransformNodeID(place.GetID())
+        tinyScene.addTransform("Place", tinyScene.moved(5.0, -7.0, 11.0), ct)
         self.parameters.ctVolume = ct
         return ct
 
@@ -84,10 +80,17 @@ class AIFReconPanelTest(OpenPanel):
     # ---- work
 
     def test_the_methods_are_compared_in_a_table(self):
+        from AIFReconLib.evaluation.quantities import HEADINGS
+
         self.addInputs()
         self.ui.compareButton.click()
         table = slicer.util.getNodesByClass("vtkMRMLTableNode")[-1]
         self.assertEqual(table.GetNumberOfRows(), 4)
+        columns = [table.GetTable().GetColumn(number) for number in range(table.GetNumberOfColumns())]
+        self.assertEqual([each.GetName().rstrip(" \u2191\u2193") for each in columns], ["volume", *HEADINGS.values()])
+        # Rounded, as numbers, by which a table can be sorted
+        found = [columns[1 + list(HEADINGS).index("bone_cnr")].GetValue(row) for row in range(4)]
+        self.assertEqual(found, [round(each, 2) for each in found])
         made = {node.GetAttribute("AIFRecon.Method") for node in slicer.util.getNodesByClass("vtkMRMLScalarVolumeNode")}
         self.assertEqual(made - {None}, {"average", "aif", "aif-compensated", "weighted"})
 
@@ -148,13 +151,6 @@ class AIFReconPanelTest(OpenPanel):
         with mock.patch.object(sampleData, "addPhantom", side_effect=OutputError("No space.")):
             said = self.messageOf(self.ui.sampleButton.click)
         self.assertEqual(said, "The sample patient could not be made.\n\nNo space.")
-
-    def test_what_the_library_notes_in_the_worker_reaches_the_application_s_log(self):
-        from AIFReconScene.work import inWorker
-
-        with self.assertLogs("AIFReconLib.live", logging.ERROR) as seen:
-            inWorker(workerStates.note, "noted")
-        self.assertEqual(seen.output, ["ERROR:AIFReconLib.live:noted"])
 
     def test_the_module_can_be_reloaded(self):
         before = self.widget

@@ -12,26 +12,11 @@ from simulatedPatient import OpenPatient, addPatient
 class AIFReconRegistrationTest(OpenPatient):
     """The section, as a user works with it, on a patient whose true place is known."""
 
-    def setUp(self):
-        super().setUp()
-        self.transform = self.nodes.ctToReference
-        self.true = tinyScene.matrixOf(self.transform)
-
     def displace(self, motion=None):
         """Move the CT from its true place; where it is then."""
         motion = tinyScene.moved(5.0, -4.0, 3.0) @ tinyScene.rotation(0, 4.0) if motion is None else motion
         tinyScene.setMatrix(self.transform, self.true @ motion)
         return tinyScene.matrixOf(self.transform)
-
-    def error(self, place=None) -> float:
-        """Mean distance in mm by which the bone is off a place, else its true one."""
-        from AIFReconScene.inputs.boneNodes import labelsFromNode
-
-        labels = labelsFromNode(self.nodes.segmentation, world=False)
-        k, j, i = np.nonzero(labels.array)
-        points = labels.ijk_to_reference @ np.stack([i, j, k, np.ones_like(i)])[:, :: max(len(i) // 500, 1)].astype(float)
-        off = tinyScene.worldOf(self.nodes.segmentation) - (self.true if place is None else place)
-        return float(np.linalg.norm((off @ points)[:3], axis=0).mean())
 
     def echoModels(self) -> list:
         """Model nodes with echoes."""
@@ -104,8 +89,7 @@ class AIFReconRegistrationTest(OpenPatient):
         for node in (bone, ct):
             node.SetAndObserveTransformNodeID(None)
         # The sweep is moved instead, to where the CT nearly lies: a CT in its own coordinates
-        above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
-        tinyScene.setMatrix(above, np.linalg.inv(true) @ motion)
+        above = tinyScene.addTransform("ReferenceToRAS", np.linalg.inv(true) @ motion)
         tinyScene.putSweepUnder(self.nodes.browser, above)
         count = slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLLinearTransformNode")
         self.ui.placeButton.click()
@@ -118,11 +102,9 @@ class AIFReconRegistrationTest(OpenPatient):
         self.assertEqual(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLLinearTransformNode"), count)
 
     def test_a_transform_above_sweep_and_ct_is_left_alone(self):
-        above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "ReferenceToRAS")
         place = tinyScene.moved(10.0, 20.0, 30.0) @ tinyScene.rotation(2, 30.0)
-        tinyScene.setMatrix(above, place)
+        above = tinyScene.addTransform("ReferenceToRAS", place, self.transform)
         tinyScene.putSweepUnder(self.nodes.browser, above)
-        self.transform.SetAndObserveTransformNodeID(above.GetID())
         self.displace()
         self.ui.placeButton.click()
         np.testing.assert_array_equal(tinyScene.matrixOf(above), place)
@@ -160,10 +142,7 @@ class AIFReconRegistrationTest(OpenPatient):
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
 
     def test_a_warping_transform_is_refused_in_a_sentence(self):
-        warping = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTransformNode", "Warp")
-        tinyScene.makeWarping(warping)
-        for node in (self.nodes.ct, self.nodes.segmentation):
-            node.SetAndObserveTransformNodeID(warping.GetID())
+        tinyScene.addWarping(self.nodes.ct, self.nodes.segmentation)
         self.assertIn("must be linear", self.messageOf(self.ui.placeButton.click))
 
     # ---- checking

@@ -1,12 +1,18 @@
 """A simulated patient as nodes, for self tests that need a spine: simulated once in a process, for that takes seconds, and added anew."""
 
+import itertools
 from dataclasses import replace
 from functools import lru_cache
 
-from openPanel import OpenPanel
+import numpy as np
+import tinyScene
+from openPanel import OpenPanel, waitFor
 
 FRAMES = 27
 """Of the sweep: three at each of nine angles."""
+
+MOST_ROUNDS = 300
+"""Over the sweep until what must come has come."""
 
 
 @lru_cache
@@ -44,5 +50,30 @@ class OpenPatient(OpenPanel):
     def setUp(self):
         super().setUp()
         self.nodes = addPatient(frames=self.frames)
+        self.transform = self.nodes.ctToReference
+        self.true = tinyScene.matrixOf(self.transform)
         self.widget.initializeParameterNode()
         self.parameters.spacing = self.spacing
+
+    def error(self, place=None) -> float:
+        """Mean distance in mm by which the bone is off a place, else its true one."""
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+        labels = labelsFromNode(self.nodes.segmentation, world=False)
+        k, j, i = np.nonzero(labels.array)
+        points = labels.ijk_to_reference @ np.stack([i, j, k, np.ones_like(i)])[:, :: max(len(i) // 500, 1)].astype(float)
+        off = tinyScene.worldOf(self.nodes.segmentation) - (self.true if place is None else place)
+        return float(np.linalg.norm((off @ points)[:3], axis=0).mean())
+
+    def start(self):
+        """Begin a scan of the sweep; the frame that is shown already would not be a new one."""
+        self.show(self.nodes.browser, self.frames - 1)
+        self.ui.liveStartButton.click()
+
+    def playUntil(self, condition):
+        """Show the sweep again and again: how much of it the last seconds hold depends on how busy this machine is."""
+        for start in itertools.islice(itertools.cycle(range(3)), MOST_ROUNDS):
+            self.playFrames(self.nodes.browser, range(start, self.frames, 3))
+            if waitFor(condition, 0.2):
+                return
+        self.fail(f"It did not come in {MOST_ROUNDS} rounds: {self.live._live.statistics}")

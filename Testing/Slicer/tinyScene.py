@@ -110,8 +110,6 @@ def addSweep(name="Sweep", shift=(0.0, 0.0, 0.0)):
 
 def addCT():
     """CT volume and segmentation of the slab, both under the transform node that registers them; (ct, segmentation, transform)."""
-    transform = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", "CTToReference")
-    transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(CT_TO_WORLD))
     size, spacing = (50, 50, 40), 1.0
     center = np.linalg.inv(CT_TO_WORLD) @ [0.0, FACE, 0.0, 1.0]
     ijkToCT = moved(*(center[:3] - np.array(size) / 2 * spacing)) @ np.diag([spacing, spacing, spacing, 1.0])
@@ -124,9 +122,7 @@ def addCT():
     segmentation.SetReferenceImageGeometryParameterFromVolumeNode(ct)
     slicer.modules.segmentations.logic().ImportLabelmapToSegmentationNode(labels, segmentation)
     slicer.mrmlScene.RemoveNode(labels)
-    for node in (ct, segmentation):
-        node.SetAndObserveTransformNodeID(transform.GetID())
-    return ct, segmentation, transform
+    return ct, segmentation, addTransform("CTToReference", CT_TO_WORLD, ct, segmentation)
 
 
 def addVolume(className: str, name: str, array: np.ndarray, ijkToRAS: np.ndarray):
@@ -135,6 +131,15 @@ def addVolume(className: str, name: str, array: np.ndarray, ijkToRAS: np.ndarray
     slicer.util.updateVolumeFromArray(node, array)
     node.SetIJKToRASMatrix(slicer.util.vtkMatrixFromArray(ijkToRAS))
     node.CreateDefaultDisplayNodes()
+    return node
+
+
+def addTransform(name: str, matrix: np.ndarray, *below):
+    """A linear transform node with a (4, 4) matrix, above these nodes."""
+    node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode", name)
+    setMatrix(node, matrix)
+    for each in below:
+        each.SetAndObserveTransformNodeID(node.GetID())
     return node
 
 
@@ -218,13 +223,14 @@ def putSweepUnder(browser, transformNode) -> None:
 
 def warp(browser):
     """Puts a sweep's image under a transform that warps; the transform of its poses."""
-    above = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTransformNode", "Warp")
-    makeWarping(above)
     pose = browser.GetProxyNode(browser.GetMasterSequenceNode()).GetParentTransformNode()
-    pose.SetAndObserveTransformNodeID(above.GetID())
+    addWarping(pose)
     return pose
 
 
-def makeWarping(transformNode) -> None:
-    """Gives a transform node something that is not linear."""
-    transformNode.SetAndObserveTransformToParent(vtk.vtkThinPlateSplineTransform())
+def addWarping(*below) -> None:
+    """A transform node that is not linear, above these nodes."""
+    node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTransformNode", "Warp")
+    node.SetAndObserveTransformToParent(vtk.vtkThinPlateSplineTransform())
+    for each in below:
+        each.SetAndObserveTransformNodeID(node.GetID())

@@ -1,7 +1,6 @@
 """What may go wrong in the process that works for Slicer, brought about for a test."""
 
 import contextlib
-import logging
 import os
 from typing import Any
 
@@ -35,11 +34,6 @@ def killWorker() -> None:
     from AIFReconScene.work import worker
 
     worker.begin(_end)
-
-
-def note(text: str) -> None:
-    """Have the library note something."""
-    logging.getLogger("AIFReconLib.live").error(text)
 
 
 _messages: list[Any] = []

@@ -19,7 +19,6 @@ from host import missing, runHost  # noqa: E402 - the folders must be known firs
 
 PANEL_WIDTH = 400
 LARGE = 1.3
-SMALL_SCREEN = (400, 480)
 
 NODE_SELECTORS = ("qMRMLNodeComboBox",)
 """They show names that the user has given, which may be longer than any line; what they show without a node must fit."""
@@ -138,12 +137,8 @@ def room_for_text(widget) -> tuple[int, int]:
         return letters.horizontalAdvance(line.displayText()), line.contentsRect().width() - 2
     if isinstance(widget, QtWidgets.QLineEdit) and widget.placeholderText():
         return letters.horizontalAdvance(widget.placeholderText()), widget.contentsRect().width()
-    if isinstance(widget, QtWidgets.QPushButton | QtWidgets.QCheckBox | QtWidgets.QToolButton):
+    if isinstance(widget, QtWidgets.QAbstractButton | QtWidgets.QGroupBox):
         return widget.minimumSizeHint().width(), widget.width()
-    if isinstance(widget, QtWidgets.QAbstractButton):
-        return letters.horizontalAdvance(widget.text()) + letters.height(), widget.width()
-    if isinstance(widget, QtWidgets.QGroupBox):
-        return letters.horizontalAdvance(widget.title()) + letters.height(), widget.width()
     return 0, 0
 
 
@@ -166,7 +161,7 @@ def walk_by_tab(panel) -> list:
 
 
 def by_keyboard(panel) -> dict:
-    """What Tab does not reach, what shows no focus, and what has no name."""
+    """What Tab does not reach, and what has no name."""
     from PySide6 import QtCore, QtWidgets
 
     walked = walk_by_tab(panel)
@@ -175,14 +170,9 @@ def by_keyboard(panel) -> dict:
         for each in panel.shown(QtWidgets.QWidget)
         if each.isEnabled() and each.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus and not isinstance(each, QtWidgets.QLabel)
     }
-    unnamed, unmarked = [], []
-    for each in walked:
-        if not any(map(name_of, ancestors(each, panel.native))):
-            unnamed.append(named(each))
-        if isinstance(each, QtWidgets.QPushButton | QtWidgets.QCheckBox | QtWidgets.QLineEdit) and not marks_focus(panel, each):
-            unmarked.append(named(each))
+    unnamed = [named(each) for each in walked if not any(map(name_of, ancestors(each, panel.native)))]
     unreached = sorted(wanted - {named(each) for each in walked})
-    return {"walked": len(walked), "unreached": unreached, "unnamed": unnamed, "unmarked": unmarked}
+    return {"walked": len(walked), "unreached": unreached, "unnamed": unnamed}
 
 
 def ancestors(widget, top):
@@ -200,35 +190,6 @@ def name_of(widget) -> str:
 
     interface = QtGui.QAccessible.queryAccessibleInterface(widget)
     return interface.text(QtGui.QAccessible.Text.Name) if interface is not None else ""
-
-
-def marks_focus(panel, widget) -> bool:
-    """Whether a widget looks different when it has the focus."""
-    from PySide6 import QtCore
-
-    widget.clearFocus()
-    panel.host.process_events()
-    without = widget.grab().toImage()
-    widget.setFocus(QtCore.Qt.FocusReason.TabFocusReason)
-    widget.window().setAttribute(QtCore.Qt.WidgetAttribute.WA_KeyboardFocusChange)  # as after a real Tab
-    return widget.grab().toImage() != without
-
-
-def applied_by_keyboard(panel) -> bool:
-    """Whether the space bar on Reconstruct does."""
-    from PySide6 import QtCore, QtTest, QtWidgets
-
-    button = panel.native.findChild(QtWidgets.QPushButton, "applyButton")
-    button.setFocus()
-    QtTest.QTest.keyClick(button, QtCore.Qt.Key.Key_Space)
-    panel.host.raise_slot_errors()
-    return panel.widget._parameterNode.output is not None
-
-
-def scrolls(panel) -> dict:
-    """How far the panel is scrolled on a small screen, across and down: by what does not go into it."""
-    least, (width, height) = panel.native.minimumSizeHint(), SMALL_SCREEN
-    return {"across": max(0, least.width() - width), "down": panel.native.layout().totalHeightForWidth(width) - height}
 
 
 def look_around(panel) -> dict:
@@ -254,10 +215,10 @@ def look_around(panel) -> dict:
     set_look(panel, opened=True)
     panel.lay_out()
     found["keyboard"] = by_keyboard(panel)
-    found["applied"] = applied_by_keyboard(panel)
+    panel.widget.ui.applyButton.click()
+    panel.host.raise_slot_errors()
     panel.lay_out()
     found["cut"]["after a reconstruction"] = cut_texts(panel)
-    found["scrolls"] = scrolls(panel)
     return found
 
 

@@ -10,10 +10,12 @@ from geometry_strategies import rigid, rigid_poses, scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
+from sweeps import places
 
 from AIFReconLib.bone.map import SURFACE_SIGMA, BoneMap
 from AIFReconLib.bone.placed import at_voxels as at_voxels_module
 from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.machine.threads import optional_module
 
@@ -60,12 +62,6 @@ def on_own_voxels(array: np.ndarray, bone_map: BoneMap, shape) -> np.ndarray:
     first = np.rint(bone_map.probability.grid.origin / bone_map.probability.grid.spacing).astype(int)[::-1]
     whole[tuple(slice(a, a + n) for a, n in zip(first, array.shape, strict=True))] = array
     return whole
-
-
-def positions(grid: VoxelGrid) -> np.ndarray:
-    """Where each voxel's center is in Reference, [k, j, i, 3]."""
-    k, j, i = np.indices(grid.shape)
-    return np.stack([i, j, k], axis=-1) @ grid.ijk_to_reference[:3, :3].T + grid.origin
 
 
 # ---- probability
@@ -153,9 +149,7 @@ FINE = VoxelGrid((18, 17, 16), rigid((0.2, 0.1, -0.3), (3.0, 4.0, 5.0)) @ scaled
 
 def sampled_by_scipy(array: np.ndarray, source: VoxelGrid, grid: VoxelGrid, order: Literal[0, 1]) -> np.ndarray:
     """`map_coordinates` in float64 at every voxel of the grid, zeros around the source."""
-    to_source = np.linalg.inv(source.ijk_to_reference)
-    ijk = positions(grid) @ to_source[:3, :3].T + to_source[:3, 3]
-    coordinates = np.moveaxis(ijk[..., ::-1], -1, 0)
+    coordinates = np.moveaxis(transform_points(source.reference_to_ijk, places(grid))[..., ::-1], -1, 0)
     return ndimage.map_coordinates(array.astype(np.float64), coordinates, order=order, mode="grid-constant", prefilter=False)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,21 +12,22 @@ from study.scanner_looks import LOOKS
 from sweeps import image_pose
 
 from AIFReconLib.bone.echoes.finder import SKIN, BoneEchoFinder
-from AIFReconLib.bone.echoes.found import SweepEchoes
-from AIFReconLib.bone.echoes.search import echoes_of
-from AIFReconLib.bone.echoes.surface import surface_of
+from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.parser import main
-from AIFReconLib.effective_settings import Imaging
+from AIFReconLib.effective_settings import Imaging, imaging_fields
+from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.detection import detect_imaging
+from AIFReconLib.imaging.gray_levels import STANDARD
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
-from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.worker.reconstructing import reconstructed as worker_reconstructs
 from AIFReconLib.workflows.job import ReconstructionJob
 
@@ -66,20 +68,15 @@ def find(image, kind=LINEAR):
     return finder(kind).find(image)
 
 
-def sweep_of(images, matrices) -> tuple[TrackedSequence, SweepPoses]:
-    images = np.asarray(images)
-    sequence = TrackedSequence(images, [FrameRecord(timestamp=0.1 * n) for n in range(len(images))])
-    return sequence, SweepPoses(np.asarray(matrices), (None,) * len(images), ())
-
-
-def oblique_sweep(kind=LINEAR, count=12):
+def oblique_sweep(count=12) -> TrackedSequence:
     """Frames 1 mm apart across their plane, oblique to every axis of Reference."""
-    pose = image_pose(SPACING, (25.0, -35.0, 50.0), (12.0, -40.0, 75.0))
-    across = pose[:3, 2] / np.linalg.norm(pose[:3, 2])
-    poses = np.repeat(pose[None], count, axis=0)
-    poses[:, :3, 3] += np.arange(count)[:, None] * across
-    sequence, poses = sweep_of([bone_image(seed) for seed in range(count)], poses)
-    return sequence, poses, REGIONS[kind]
+    poses = np.repeat(image_pose(SPACING, (25.0, -35.0, 50.0), (12.0, -40.0, 75.0))[None], count, axis=0)
+    poses[:, :3, 3] += np.arange(count)[:, None] * poses[0, :3, 2] / np.linalg.norm(poses[0, :3, 2])
+    return TrackedSequence.from_arrays(np.stack([bone_image(seed) for seed in range(count)]), poses, 0.1 * np.arange(count))
+
+
+def bone_of(sequence, kind=LINEAR) -> BoneMap:
+    return bone_from_sweep(sequence, Recipe(gray_levels=STANDARD, **imaging_fields(REGIONS[kind].region, REGIONS[kind].probe)))
 
 
 def at(volume, points):
@@ -160,20 +157,14 @@ def test_the_same_bone_is_found_whatever_the_knobs_are_set_to(look):
 # The map
 
 
-def bone_of(sequence, poses, imaging) -> BoneMap:
-    """The bone of all frames that can be placed."""
-    finder = BoneEchoFinder(sequence.frame_size, pixel_spacing(poses.image_to_reference[poses.usable[0]]), imaging)
-    return surface_of(SweepEchoes.joined([echoes_of(frame, finder) for frame in tracked_frames(sequence, poses, poses.usable)]))
-
-
 @pytest.mark.parametrize("kind", [LINEAR, SECTOR])
 def test_the_map_of_an_oblique_sweep_is_high_on_the_surface_alone_and_has_its_inside_behind_it(kind):
-    sequence, poses, imaging = oblique_sweep(kind)
-    bone = bone_of(sequence, poses, imaging)
+    sequence = oblique_sweep()
+    bone, pose = bone_of(sequence, kind), sweep_poses(sequence).image_to_reference[6]
 
     def met(volume, behind):
         columns = np.arange(40, 80)
-        return at(volume, points_in(poses.image_to_reference[6], columns, arc_row(columns) + behind / SPACING[1]))
+        return at(volume, points_in(pose, columns, arc_row(columns) + behind / SPACING[1]))
 
     assert met(bone.probability, 0.0).min() > 0.6
     assert max(met(bone.probability, shift).max() for shift in (-8.0, 8.0)) < 0.01
@@ -182,14 +173,12 @@ def test_the_map_of_an_oblique_sweep_is_high_on_the_surface_alone_and_has_its_in
 
 
 def test_a_frame_that_cannot_be_placed_takes_no_part():
-    sequence, poses, imaging = oblique_sweep()
-    broken = poses.image_to_reference.copy()
-    broken[3] = np.nan
-    without = SweepPoses(broken, tuple("OUT_OF_VIEW" if n == 3 else None for n in range(len(sequence))), ())
+    sequence = oblique_sweep()
+    expected = bone_of(TrackedSequence(np.delete(sequence.images, 3, axis=0), sequence.records[:3] + sequence.records[4:]))
+    [(name, sample)] = sequence.records[3].transforms.items()
+    sequence.records[3].transforms[name] = replace(sample, status=TransformStatus.OUT_OF_VIEW)
     sequence.images[3] = 255
-    rest = [n for n in range(len(sequence)) if n != 3]
-    expected = bone_of(*sweep_of(sequence.images[rest], poses.image_to_reference[rest]), imaging)
-    np.testing.assert_array_equal(bone_of(sequence, without, imaging).probability.array, expected.probability.array)
+    np.testing.assert_array_equal(bone_of(sequence).probability.array, expected.probability.array)
 
 
 # The command line
@@ -239,16 +228,6 @@ def test_a_configuration_that_names_a_method_is_followed(patient, tmp_path, caps
     said = capsys.readouterr().out
     assert said.startswith("maximum")
     assert "No CT" not in said
-
-
-@pytest.mark.parametrize("other", ["--bone-labels", "--bone-probability", "--bone-transform"])
-def test_the_command_takes_one_source_of_bone(other, patient, tmp_path, capsys):
-    command = [*patient.reconstruct, "--bone-from-sweep", other, str(patient.transform), "--output", str(tmp_path / "v.nrrd")]
-    assert main(command) == 2
-    message = capsys.readouterr().err
-    assert "--bone-from-sweep" in message
-    assert other in message
-    assert not (tmp_path / "v.nrrd").exists()
 
 
 # Real recordings

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sweeps import places
 
 from AIFReconLib.bone.field import BoneField
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 RADIUS = 12.0
 OFFSETS = ((0.0, 0.0, 0.0), (0.5, 0.5, 0.5), (0.25, 0.1, 0.4), (0.13, 0.37, 0.21))
@@ -22,9 +24,9 @@ def ball(spacing, offset) -> tuple[Volume, np.ndarray]:
     spacing = np.array(spacing)
     size = np.ceil((2 * RADIUS + 8) / spacing).astype(int) + 1
     center = ((size - 1) / 2 + offset) * spacing
-    places = np.moveaxis(np.indices(size[::-1])[::-1], 0, -1) * spacing
-    labels = (((places - center) ** 2).sum(axis=-1) < RADIUS**2).astype(np.uint8)
-    return Volume(labels, np.diag([*spacing, 1.0])), center
+    grid = VoxelGrid(tuple(size.tolist()), np.diag([*spacing, 1.0]))
+    labels = np.linalg.norm(places(grid) - center, axis=-1) < RADIUS
+    return Volume(labels.astype(np.uint8), grid.ijk_to_reference), center
 
 
 def errors(spacing, level: float = 0.0) -> float:
@@ -88,8 +90,7 @@ def test_a_map_of_distances_is_1_on_the_surface_falls_with_the_distance_and_face
     bone = BoneMap.from_field(BoneField.from_labels(labels), width, placed)
     grid = bone.probability.grid
     found = bone.on_grid(grid)
-    kji = np.moveaxis(np.indices(grid.shape), 0, -1)
-    outward = kji[..., ::-1] @ grid.ijk_to_reference[:3, :3].T + grid.ijk_to_reference[:3, 3] - (placed[:3, :3] @ center + placed[:3, 3])
+    outward = places(grid) - transform_points(placed, center)
     away = np.linalg.norm(outward, axis=-1)
     off = away - RADIUS
     near = np.abs(off) < 2.0 * width

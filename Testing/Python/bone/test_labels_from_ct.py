@@ -18,6 +18,7 @@ from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.dicom_series import read_ct
+from AIFReconLib.io.volume.files import write_volume
 from AIFReconLib.simulation.anatomy import LumbarPhantom
 
 PATIENT = 2
@@ -193,35 +194,23 @@ def test_nothing_is_made_up_that_headers_leave_out(said, from_slice, words, tmp_
         read_ct(dicom_series(tmp_path / "ct", SMALL, said=said, from_slice=from_slice))
 
 
-@pytest.mark.parametrize("step", [2.5, -2.5, None])
-def test_a_file_of_many_frames_lies_where_its_frames_say(step, tmp_path):
-    data = pydicom.dcmread(dicom_series(tmp_path / "ct", SMALL) / "slice-000.dcm")
-    shared, frames = pydicom.Dataset(), []
-    shared.PlaneOrientationSequence, shared.PixelMeasuresSequence = [pydicom.Dataset()], [pydicom.Dataset()]
-    shared.PlaneOrientationSequence[0].ImageOrientationPatient = data.ImageOrientationPatient
-    shared.PixelMeasuresSequence[0].PixelSpacing = data.PixelSpacing
-    x, y, z = map(float, data.ImagePositionPatient)
-    for k in range(5):
-        frame, place = pydicom.Dataset(), pydicom.Dataset()
-        place.ImagePositionPatient = [x, y, z + k * (step or 0.0)]
-        frame.PlanePositionSequence = [place]
-        frames.append(frame)
-    if step is not None:
-        data.SharedFunctionalGroupsSequence, data.PerFrameFunctionalGroupsSequence = [shared], frames
-        data.SOPClassUID = data.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2.1"
-    stored = np.array([data.pixel_array + 10 * k for k in range(5)])
-    data.NumberOfFrames, data.PixelData = 5, stored.tobytes()
+@pytest.mark.parametrize("order", [1, -1, None])
+def test_a_file_of_many_frames_lies_where_its_frames_say(order, tmp_path):
+    whole = Volume((SMALL.array + 100).astype(np.uint16), SMALL.ijk_to_reference)
+    write_volume(whole, tmp_path / "frames.dcm")
+    data = pydicom.dcmread(tmp_path / "frames.dcm")
+    data.Modality, places = "CT", list(data.PerFrameFunctionalGroupsSequence)
+    data.PerFrameFunctionalGroupsSequence = places[::order] if order else []
     data.save_as(tmp_path / "frames.dcm")
-    if step is None:
+    if order is None:
         with pytest.raises(VolumeFormatError, match="do not all say where slices lie"):
             read_ct(tmp_path / "frames.dcm")
         return
     read = read_ct(tmp_path / "frames.dcm")
-    at = transform_points(np.linalg.inv(read.ijk_to_reference), (-x, -y, z + 3 * step))
-    i, j, k = np.rint(at).astype(int)
-    assert read.array[k, j, i] - read.array[k, j, i + 1] == stored[3, 0, 0] - stored[3, 0, 1]
-    np.testing.assert_allclose(at, (i, j, k), atol=1e-4)
-    assert read.array[k].mean() - read.array[round(k - np.sign(step)), :, :].mean() == 10
+    at = transform_points(read.grid.reference_to_ijk @ whole.ijk_to_reference, np.argwhere(whole.array >= 0)[:, ::-1].astype(float))
+    i, j, k = np.rint(at).astype(int).T
+    np.testing.assert_allclose(at, np.stack([i, j, k], axis=1), atol=1e-4)
+    np.testing.assert_array_equal(read.array[k, j, i].reshape(whole.shape), whole.array[::order])
 
 
 def test_another_modality_is_refused(tmp_path):

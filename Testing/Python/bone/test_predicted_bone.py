@@ -226,6 +226,9 @@ def test_the_command_gives_what_the_library_gives_and_says_what_it_matched(patie
     [
         (["--bone-frames-px", "0", "0", "9", "9"], "Give --bone-frames"),
         (["--bone-frames", "SAID", "--bone-from-sweep"], "not allowed with"),
+        (["--bone-from-sweep", "--bone-labels", "L.nrrd"], "--bone-labels: not allowed with argument --bone-from-sweep"),
+        (["--bone-from-sweep", "--bone-probability", "P.nrrd"], "--bone-probability: not allowed with argument --bone-from-sweep"),
+        (["--bone-from-sweep", "--bone-transform", "T.tfm"], "--bone-from-sweep"),
         (["--bone-frames", "SAID", "--bone-transform", "T.tfm"], "--bone-frames needs none"),
         (["--bone-frames", "SAID", "--speed-of-sound", "1480"], "--bone-frames takes depths"),
         (["--bone-frames", "SAID", "--bone-frames", "SAID"], "got 2 for 1"),

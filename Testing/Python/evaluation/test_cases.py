@@ -173,5 +173,3 @@ def test_the_paragraph_defines_every_quantity_of_the_table_by_the_name_that_it_h
     for quantity in QUANTITIES.values():
         assert f"{quantity.label} (" in text
     assert "Shadow spread (shadow_std): " in text
-    assert "Localization bias (localization_bias): The mean of that distance with its sign" in text
-    assert "Coverage (coverage): Share of the bone surface that beams met" in text

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sweeps import places
 
 from AIFReconLib.bone.canal import canals_of
 from AIFReconLib.evaluation.lines import FEWEST, StraightLines, lines_to_canal, told_apart
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 GRID = VoxelGrid.from_spacing((-30.0, 0.0, -30.0), (61, 61, 61), 1.0)
+X, Y, Z = np.moveaxis(places(GRID), -1, 0)
 MANY = np.arange(100.0)
 
 
@@ -36,8 +38,7 @@ def test_the_area_is_the_share_of_pairs_in_the_right_order():
 
 
 def test_lines_through_a_hole_are_free_and_the_others_blocked():
-    k, j, i = np.indices(GRID.shape)
-    plate = Volume(np.maximum(np.abs(j - 20.0) - 2.0, 6.0 - np.hypot(i - 30.0, k - 30.0)).astype(np.float32), GRID.ijk_to_reference)
+    plate = Volume(np.maximum(np.abs(Y - 20.0) - 2.0, 6.0 - np.hypot(X, Z)).astype(np.float32), GRID.ijk_to_reference)
     x = np.linspace(-20.0, 20.0, 81)
     entries = np.stack([x, np.zeros_like(x), np.zeros_like(x)], axis=1)
     lines = StraightLines.past(plate, entries, entries + np.array([0.0, 40.0, 0.0]))
@@ -49,12 +50,10 @@ def test_lines_through_a_hole_are_free_and_the_others_blocked():
 
 def rings() -> Volume:
     """Two vertebrae, one above the other, whose canal runs along z at x = 0, y = 40."""
-    k, j, i = np.indices(GRID.shape)
-    radius = np.hypot(i - 30.0, j - 40.0)
+    radius = np.hypot(X, Y - 40.0)
     ring = (radius > 8) & (radius < 13)
-    return Volume(
-        np.where(ring & (k > 5) & (k < 20), 2, np.where(ring & (k > 40) & (k < 55), 1, 0)).astype(np.uint8), GRID.ijk_to_reference
-    )
+    levels = np.select([ring & (np.abs(Z + 17.5) < 7.5), ring & (np.abs(Z - 17.5) < 7.5)], [2, 1])
+    return Volume(levels.astype(np.uint8), GRID.ijk_to_reference)
 
 
 def test_lines_run_from_below_the_skin_to_the_canal_between_neighbors():

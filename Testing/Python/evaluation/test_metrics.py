@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import ndimage
-from sweeps import rigid
+from sweeps import places, rigid
 
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import BoneMetrics
@@ -27,8 +27,7 @@ TURN = rigid((25.0, -35.0, 15.0), (100.0, -50.0, 20.0))
 
 def coordinates(grid: VoxelGrid, to_reference=TURN) -> np.ndarray:
     """u, v, s of every voxel, three [k, j, i] arrays, mm."""
-    k, j, i = np.indices(grid.shape)
-    return np.moveaxis(transform_points(np.linalg.inv(to_reference) @ grid.ijk_to_reference, np.stack([i, j, k], axis=-1)), -1, 0)
+    return np.moveaxis(transform_points(np.linalg.inv(to_reference), places(grid)), -1, 0)
 
 
 def grid_around(size, spacing, rotation_vector_deg=(0.0, 0.0, 0.0)) -> VoxelGrid:
@@ -258,13 +257,8 @@ def test_a_sweep_decides_which_bone_of_the_labels_counts():
     sequence = TrackedSequence.from_arrays(np.full((1, size[1], size[0]), 90, np.uint8), pose[None])
     beams = SweepBeams(pose[None], (size[0], size[1]), ProbeGeometry(LINEAR), ImageRegion())
     shown = volume(noise())
-    with_sweep = evaluate(
-        shown, labels, sweep=replace(sequence, configuration=PlusConfiguration(probe=ProbeGeometry(LINEAR), region=whole(size)))
-    )
+    whole = ImageRegion(ClipRectangle((0.0, 0.0), (float(size[0]), float(size[1]))))
+    configured = replace(sequence, configuration=PlusConfiguration(probe=ProbeGeometry(LINEAR), region=whole))
+    with_sweep = evaluate(shown, labels, sweep=configured)
     assert with_sweep.to_dict() == pytest.approx(evaluate(shown, bone_truth(labels, beams)).to_dict(), nan_ok=True)
     assert with_sweep.bone.area < 0.5 * evaluate(shown, labels).bone.area
-
-
-def whole(size) -> ImageRegion:
-    """All of an image."""
-    return ImageRegion(ClipRectangle((0.0, 0.0), (float(size[0]), float(size[1]))))

@@ -4,27 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from sweeps import rigid, turned_grid
+from sweeps import places, rigid, turned_grid, two_vertebrae
 
 from AIFReconLib.evaluation.surface import bone_surface, distance_from_labels, interspinous_border
 from AIFReconLib.geometry.labels import centers_of_mass
-from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 RADIUS, CENTER = 9.0, np.array([1.3, -2.2, 0.7])
-
-
-def positions(grid: VoxelGrid) -> np.ndarray:
-    """Centers of all voxels in Reference, [k, j, i, 3], mm."""
-    k, j, i = np.indices(grid.shape)
-    return transform_points(grid.ijk_to_reference, np.stack([i, j, k], axis=-1))
 
 
 def ball(spacing=(0.9, 1.1, 1.3)) -> Volume:
     """Signed distance to a ball, on a turned, anisotropic grid around it."""
     grid = turned_grid(spacing, tuple(int(30 / s) for s in spacing))
     grid = VoxelGrid(grid.size, rigid(translation=CENTER) @ grid.ijk_to_reference)
-    return Volume(np.linalg.norm(positions(grid) - CENTER, axis=-1) - RADIUS, grid.ijk_to_reference)
+    return Volume(np.linalg.norm(places(grid) - CENTER, axis=-1) - RADIUS, grid.ijk_to_reference)
 
 
 def labels_of(distance: Volume) -> Volume:
@@ -65,16 +58,6 @@ def test_a_flat_face_of_labels_lies_half_way_between_the_voxels():
 # Interspinous border
 
 
-def two_vertebrae(gap: int = 8, motion: np.ndarray | None = None) -> Volume:
-    """Two vertebrae of boxes, 1 mm voxels, along z: bodies in front (high y), processes 6 mm wide and 24 mm long behind (low y)."""
-    array = np.zeros((80, 80, 60), dtype=np.int16)
-    for label, bottom in ((4, 8), (7, 8 + 24 + gap)):
-        array[bottom : bottom + 24, 42:70, 12:48] = label
-        array[bottom : bottom + 24, 10:42, 27:33] = label
-        array[bottom + 8 : bottom + 16, 36:44, 4:56] = label
-    return Volume(array, np.eye(4) if motion is None else motion)
-
-
 def border_of(labels: Volume):
     surface = bone_surface(distance_from_labels(labels), labels, pitch=0)
     return surface, interspinous_border(surface, centers_of_mass(labels))
@@ -82,27 +65,27 @@ def border_of(labels: Volume):
 
 def test_the_border_is_the_faces_of_the_processes_across_the_gap():
     surface, border = border_of(two_vertebrae())
-    lower = surface.labels == 4
-    assert (surface.points_reference[lower, 2] < 36).all()
-    assert (surface.points_reference[~lower, 2] > 36).all()
-    assert not border[surface.points_reference[:, 1] > 42].any(), "bodies face each other, too"
-    z = surface.points_reference[border, 2]
-    assert (np.minimum(abs(z - 31.5), abs(z - 39.5)) < 3).all()
-    # Two faces 6 mm wide, from the tips to a third of the way behind the centers of mass; their rounded edges add a little
-    posterior_end = surface.points_reference[border, 1].max()
-    assert 30 < posterior_end < 42
-    assert surface.areas[border].sum() == pytest.approx(2 * 6 * (posterior_end - 9.5), rel=0.25)
+    lower, (_x, y, z) = surface.labels == 1, surface.points_reference.T
+    assert (z[lower] < 0).all()
+    assert (z[~lower] > 0).all()
+    assert not border[y > 4].any(), "bodies face each other, too"
+    assert (np.minimum(abs(z[border] + 4.5), abs(z[border] - 7.5)) < 3).all()
+    # Two faces 7 mm wide, from the tips to a third of the way behind the centers of mass; their rounded edges add a little
+    assert -10 < y[border].max() < 4
+    assert surface.areas[border].sum() == pytest.approx(2 * 7 * (y[border].max() + 18.5), rel=0.25)
 
 
 def test_bone_beside_the_midline_does_not_belong_to_the_border():
     labels = two_vertebrae()
-    for label, bottom in ((4, 8), (7, 40)):
+    for label, bottom in ((1, 14), (2, 48)):
         for left in (2, 52):
-            labels.array[bottom : bottom + 24, 18:36, left : left + 6] = label
+            labels.array[bottom : bottom + 22, 20:38, left : left + 6] = label
     surface, border = border_of(labels)
     assert border.any()
-    assert np.abs(surface.points_reference[border, 0] - 29.5).max() < 5
+    assert np.abs(surface.points_reference[border, 0]).max() < 6
 
 
 def test_a_gap_too_wide_has_no_border():
-    assert not border_of(two_vertebrae(gap=17))[1].any()
+    labels = two_vertebrae()
+    labels.array[:] = np.where(labels.array == 1, 1, 0) + np.roll(np.where(labels.array == 2, 2, 0), 9, axis=0)
+    assert not border_of(labels)[1].any()

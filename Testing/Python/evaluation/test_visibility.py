@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from sweeps import image_pose, rigid
+from sweeps import image_pose, places, rigid
 
 from AIFReconLib.evaluation.surface import bone_surface
 from AIFReconLib.evaluation.visibility import OUTSIDE, REACHED, SHADOWED, BoneRays, SweepBeams, bone_truth, look
@@ -28,8 +28,7 @@ def sweep(offsets=(0.0,), probe=None, motion=None, region=None, **options) -> Sw
 def bone(distance) -> Volume:
     """A signed distance, given as a function of x, y, z, on 1 mm voxels: x, z -30 to 30 mm, y 0 to 70."""
     grid = VoxelGrid.from_spacing((-30, 0, -30), (61, 71, 61), 1.0)
-    k, j, i = np.indices(grid.shape)
-    return Volume(distance(i - 30.0, j + 0.0, k - 30.0), grid.ijk_to_reference)
+    return Volume(distance(*np.moveaxis(places(grid), -1, 0)), grid.ijk_to_reference)
 
 
 def ball(x, y, z):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from idle_session import IdleSession
+from idle_session import IMAGES, IdleSession
 from sweeps import two_vertebrae
 from waiting import until
 
 from AIFReconLib.guidance import passes
 from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.probe import ProbeOnBack, Skin
 from AIFReconLib.live.session import guidance_watch
 
 
@@ -27,6 +28,12 @@ def few_candidates():
 def bone():
     """Two vertebrae where their labels lie."""
     return guided_bone(two_vertebrae())
+
+
+@pytest.fixture(scope="module")
+def probe(bone):
+    """The simulated probe on the back over that bone."""
+    return ProbeOnBack(IMAGES, Skin.over(bone), bone.patient_to_reference)
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from sweeps import places
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.evaluation.surface import BoneSurface
@@ -52,9 +53,8 @@ def test_the_report_has_all_borders_and_every_label(known):
 
 def test_a_mesh_of_a_ball_is_closed_and_has_its_volume():
     grid = VoxelGrid.from_spacing((-12.0, -12.0, -12.0), (25, 25, 25), 1.0)
-    k, j, i = np.indices(grid.shape) - 12.0
     turned = grid.ijk_to_reference @ np.diag([1.0, -1.0, 1.0, 1.0])
-    mesh = bone_mesh(Volume(np.sqrt(i**2 + j**2 + k**2) - 9.0, turned))
+    mesh = bone_mesh(Volume(np.linalg.norm(places(grid), axis=-1) - 9.0, turned))
     a, b, c = (mesh.points_reference[mesh.triangles[:, n]] for n in range(3))
     assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6 == pytest.approx(4 / 3 * np.pi * 9**3, rel=0.03)
     edges = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])

@@ -4,40 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from idle_session import IMAGES, RECIPE, sweep_at
 from sweeps import rigid, two_vertebrae
 
-from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, guidance_of_sweep
-from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
-from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.guidance.probe import ProbePlacement
 
-IMAGES = ProbeImages.simulated()
-ELSEWHERE = rigid((20.0, -30.0, 40.0), (300.0, 20.0, -50.0))
+HOME, ELSEWHERE = np.eye(4), rigid((20.0, -30.0, 40.0), (300.0, 20.0, -50.0))
 
 
-def told(place=None, moved=None, **options):
+def told(probe, place=HOME, moved=HOME, **options):
     """Guidance of a few sagittal frames over two vertebrae, the patient being at `place`, the CT moved from there by `moved`."""
-    place = np.eye(4) if place is None else place
-    bone = guided_bone(two_vertebrae())
-    on = ProbeOnBack(IMAGES, Skin.over(bone), bone.patient_to_reference)
-    poses = np.stack([place @ on.pose(ProbePlacement(x, 0.0, 90.0, -30.0)) for x in (-6.0, 0.0, 6.0)])
-    images = np.full((len(poses), *IMAGES.frame_size[::-1]), 120, np.uint8)
-    sweep = TrackedSequence.from_arrays(images, poses, np.arange(len(poses)) * 0.1)
-    recipe = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))
-    return guidance_of_sweep(sweep, two_vertebrae(), place if moved is None else moved @ place, recipe, **options)
+    sweep = sweep_at([place @ probe.pose(ProbePlacement(x, 0.0, 90.0, -30.0)) for x in (-6.0, 0.0, 6.0)])
+    return guidance_of_sweep(sweep, two_vertebrae(), moved @ place, RECIPE, **options)
 
 
 @pytest.fixture(scope="module")
-def here():
-    return told()
+def here(probe):
+    return told(probe)
 
 
-def test_a_patient_who_lies_elsewhere_is_told_the_same(here):
-    there = told(ELSEWHERE)
+def test_a_patient_who_lies_elsewhere_is_told_the_same(probe, here):
+    there = told(probe, ELSEWHERE)
     assert (there.levels == here.levels).mean() > 0.99
     np.testing.assert_allclose(there.colored.mesh.points_reference, here.colored.mesh.points_reference, atol=1e-4)
     assert [step.words for step in there.advice.seen.directions] == [step.words for step in here.advice.seen.directions]
@@ -75,7 +65,7 @@ def test_a_probe_is_drawn_on_its_image_and_behind_its_face(here):
         ({"grid": VoxelGrid.from_spacing((200.0, 0.0, 0.0), (10, 10, 10), 1.0)}, NOT_IN_BOX),
     ],
 )
-def test_where_nothing_can_be_told_a_sentence_stands_and_no_color(options, problem):
-    guidance = told(**options)
+def test_where_nothing_can_be_told_a_sentence_stands_and_no_color(probe, options, problem):
+    guidance = told(probe, **options)
     assert (guidance.problem, guidance.advice) == (problem, None)
     assert guidance.levels.max() == 1

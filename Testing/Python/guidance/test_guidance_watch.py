@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from idle_session import IMAGES, show
+from idle_session import IMAGES, LIT, show
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
@@ -14,21 +14,17 @@ from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.bone_coverage import CoverageAccumulator, FrameGeometry
-from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX
-from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
+from AIFReconLib.guidance.guidance import NOT_IN_BOX
+from AIFReconLib.guidance.probe import ProbePlacement
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
-from AIFReconLib.live.session import guidance_watch
 
 MOVED = rigid(translation=(0.0, 3.0, 12.0))
 
 
 @pytest.fixture(scope="module")
-def frames():
-    bone = guided_bone(two_vertebrae())
-    on = ProbeOnBack(IMAGES, Skin.over(bone), bone.patient_to_reference)
-    poses = [on.pose(ProbePlacement(x, 0.0, 90.0, tilt)) for tilt in (-30.0, 30.0) for x in (-6.0, 0.0, 6.0)]
-    image = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
-    return [LiveFrame(image, pose, timestamp=0.1 * n, number=n) for n, pose in enumerate(poses)]
+def frames(probe):
+    poses = [probe.pose(ProbePlacement(x, 0.0, 90.0, tilt)) for tilt in (-30.0, 30.0) for x in (-6.0, 0.0, 6.0)]
+    return [LiveFrame(LIT, pose, timestamp=0.1 * n, number=n) for n, pose in enumerate(poses)]
 
 
 def of(frames, place=None):
@@ -99,14 +95,6 @@ def test_an_unknown_probe_is_a_sentence(watching, frames):
     session.imaging = unknown
     show(session, watch, frames[:1])
     assert until(lambda: watch.state.problem == "The probe cannot be told.")
-
-
-def test_frames_that_pass_far_from_the_bone_are_a_sentence(watching, frames, monkeypatch):
-    monkeypatch.setattr(guidance_watch, "FAR_AFTER", 3)
-    session, watch = watching()
-    far = [replace(frame, image_to_reference=rigid(translation=(300.0, 0.0, 0.0)) @ frame.image_to_reference) for frame in frames]
-    show(session, watch, far)
-    assert until(lambda: watch.state.problem == FAR)
 
 
 def test_a_box_without_bone_is_a_sentence_and_another_one_brings_the_colors(watching, frames):

@@ -12,28 +12,22 @@ from AIFReconLib.guidance.bone_coverage import CoverageAccumulator
 from AIFReconLib.guidance.candidates import OFF_TARGET, geometry_of
 from AIFReconLib.guidance.next_move import NextMove
 from AIFReconLib.guidance.passes import name_of_place
-from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
+from AIFReconLib.guidance.probe import ProbePlacement
 
 
 @pytest.fixture(scope="module")
-def probe(bone):
-    return ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), bone
+def advisor(bone, probe):
+    return NextMove(bone, probe, hand=None)
 
 
 @pytest.fixture(scope="module")
-def advisor(probe):
-    return NextMove(probe[1], probe[0], hand=None)
-
-
-@pytest.fixture(scope="module")
-def followed(probe, advisor):
+def followed(bone, probe, advisor):
     """(words, what it said to add, what it added) of moves that were followed, from a transverse image in the middle."""
-    on, bone = probe
-    met, here = CoverageAccumulator(geometry_of(bone, on)), on.pose(ProbePlacement(0.0, 0.0))
+    met, here = CoverageAccumulator(geometry_of(bone, probe)), probe.pose(ProbePlacement(0.0, 0.0))
     weights, moves, shown = np.where(bone.border, 1.0, OFF_TARGET) * bone.surface.areas, [], 0.0
     for _ in range(8):
         move = advisor.advise(met, here)
-        for pose in move.planned.poses(on, move.frames):
+        for pose in move.planned.poses(probe, move.frames):
             met.insert(pose)
             here = pose
         now = float(weights @ met.expected) / 100
@@ -48,9 +42,9 @@ def test_a_move_adds_what_it_says(followed):
     np.testing.assert_allclose(added, said, atol=0.1 + 0.1 * said.max())
 
 
-def test_moves_that_are_followed_show_most_of_the_borders(followed, probe):
-    border = probe[1].border
-    areas = probe[1].surface.areas[border]
+def test_moves_that_are_followed_show_most_of_the_borders(followed, bone):
+    border = bone.border
+    areas = bone.surface.areas[border]
     assert areas @ followed[1].expected[border] / areas.sum() > 0.6
 
 
@@ -73,23 +67,21 @@ def test_moves_are_said_in_a_sonographers_words(followed):
         ({1: "bone", 2: "bone"}, "bone (2) and bone (1)"),
     ],
 )
-def test_places_are_called_as_the_segments_are_from_head_to_feet(probe, names, said):
-    bone = replace(probe[1], names=names)
+def test_places_are_called_as_the_segments_are_from_head_to_feet(bone, names, said):
+    bone = replace(bone, names=names)
     centers = np.array([bone.centers[1], bone.centers[2]])
     z = (centers.mean(axis=0) - bone.patient_to_reference[:3, 3]) @ bone.patient_to_reference[:3, 2]
     assert name_of_place(bone, float(z)) == said
 
 
-def test_a_small_movement_of_the_hand_does_not_change_the_advice(probe, advisor):
-    on, bone = probe
-    met = CoverageAccumulator(geometry_of(bone, on))
+def test_a_small_movement_of_the_hand_does_not_change_the_advice(bone, probe, advisor):
+    met = CoverageAccumulator(geometry_of(bone, probe))
     rng = np.random.default_rng(0)
-    advised = {advisor.advise(met, on.pose(ProbePlacement(*rng.normal(0, 3, 2), 0.0, *rng.normal(0, 3, 2)))).planned for _ in range(20)}
+    advised = {advisor.advise(met, probe.pose(ProbePlacement(*rng.normal(0, 3, 2), 0.0, *rng.normal(0, 3, 2)))).planned for _ in range(20)}
     assert len(advised) == 1
 
 
-def test_when_everything_was_met_squarely_nothing_is_advised(probe, advisor):
-    on, bone = probe
-    met = CoverageAccumulator(geometry_of(bone, on))
+def test_when_everything_was_met_squarely_nothing_is_advised(bone, probe, advisor):
+    met = CoverageAccumulator(geometry_of(bone, probe))
     met.support[:] = 100.0
-    assert advisor.advise(met, on.pose(ProbePlacement(0.0, 0.0))) is None
+    assert advisor.advise(met, probe.pose(ProbePlacement(0.0, 0.0))) is None

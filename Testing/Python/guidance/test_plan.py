@@ -39,11 +39,6 @@ def bone():
 
 
 @pytest.fixture(scope="module")
-def probe(bone):
-    return ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference)
-
-
-@pytest.fixture(scope="module")
 def plan(bone, probe):
     return plan_scan(bone, probe, "interspinous", FRAMES, hand=None)
 
@@ -157,10 +152,8 @@ def test_the_command_writes_a_plan_that_the_simulated_probe_can_follow(tmp_path,
     np.testing.assert_allclose(path.transducer_to_reference @ PhasedArray().image_to_transducer, poses, atol=1e-9)
 
 
-def test_one_call_plans_from_labels_as_the_parts_do():
-    labels = two_vertebrae()
-    found = public_plan(labels, target="posterior", frames=24)
-    bone = guided_bone(labels)
-    same = plan_scan(bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), "posterior", 24)
+def test_one_call_plans_from_labels_as_the_parts_do(bone, probe):
+    found = public_plan(two_vertebrae(), PLACE, target="posterior", frames=24)
+    same = plan_scan(bone, probe, "posterior", 24)
     assert found.to_dict() == same.to_dict()
     assert repr(found).startswith("<ScanPlan: target posterior, passes ")

@@ -6,23 +6,20 @@ import json
 
 import numpy as np
 import pytest
+from idle_session import RECIPE, sweep_at
 from sweeps import rigid, two_vertebrae
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import GeometryError, SettingsError
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.guidance import guidance_of_sweep
 from AIFReconLib.guidance.plan import plan_scan
-from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
+from AIFReconLib.guidance.probe import ProbePlacement
 from AIFReconLib.guidance.window import APART, NOT_SEEN, unseen_of, window
-from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.sweep.frames import TrackedSequence
 
 PLACE = rigid((5.0, -8.0, 12.0), (20.0, 10.0, -5.0))
-IMAGES = ProbeImages.simulated()
 
 
 def between(bone) -> np.ndarray:
@@ -34,11 +31,6 @@ def between(bone) -> np.ndarray:
 @pytest.fixture(scope="module", params=[np.eye(4), PLACE], ids=["upright", "oblique"])
 def bone(request):
     return guided_bone(two_vertebrae(), request.param)
-
-
-@pytest.fixture(scope="module")
-def probe(bone):
-    return ProbeOnBack(IMAGES, Skin.over(bone), bone.patient_to_reference)
 
 
 def test_a_plan_reaches_more_of_the_places_than_one_for_bone_does(bone, probe):
@@ -61,14 +53,11 @@ def test_bone_throws_its_shadow_on_such_places(bone, probe):
 
 
 def test_the_next_move_of_a_sweep_leads_there(bone, probe):
-    away = np.stack([probe.pose(ProbePlacement(x, 60.0, 90.0)) for x in (-6.0, 0.0, 6.0)])
-    images = np.full((len(away), *IMAGES.frame_size[::-1]), 120, np.uint8)
-    sweep = TrackedSequence.from_arrays(images, away, np.arange(len(away)) * 0.1)
-    recipe = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))
+    sweep = sweep_at([probe.pose(ProbePlacement(x, 60.0, 90.0)) for x in (-6.0, 0.0, 6.0)])
     to_reference = bone.patient_to_reference @ invert(guided_bone(two_vertebrae()).patient_to_reference)
     places = between(bone)
-    found = guidance_of_sweep(sweep, two_vertebrae(), to_reference, recipe, unseen=places)
-    plain = guidance_of_sweep(sweep, two_vertebrae(), to_reference, recipe)
+    found = guidance_of_sweep(sweep, two_vertebrae(), to_reference, RECIPE, unseen=places)
+    plain = guidance_of_sweep(sweep, two_vertebrae(), to_reference, RECIPE)
     np.testing.assert_array_equal(found.levels, plain.levels)  # colors are of bone in any case
     assert (found.seen().move.adds_cm2, plain.seen().move.adds_cm2 > 0) == (None, True)
     move = found.advice.move

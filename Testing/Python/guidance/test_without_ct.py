@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from idle_session import IMAGES, show
+from idle_session import IMAGES, LIT, RECIPE, show, sweep_at
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
@@ -14,7 +14,6 @@ from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.surface import surface_of
 from AIFReconLib.bone.growing_bone import GrowingBone
 from AIFReconLib.commands.parser import main
-from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
@@ -24,14 +23,12 @@ from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.coverage import covered, unrefuted
 from AIFReconLib.guidance.guidance import Advisor, guidance_of_sweep
 from AIFReconLib.guidance.mesh import ASLANT, NOT_MET, SQUARELY, TILE, ColoredBone
-from AIFReconLib.guidance.next_move import IMAGE, TURN, directions
-from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
+from AIFReconLib.guidance.probe import ProbeOnBack, Skin
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session.guidance_watch import NOTHING_YET
 from AIFReconLib.progress import carry_out
-from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import plus_configuration_xml
 from AIFReconLib.sweep.frames import TrackedSequence
@@ -180,54 +177,6 @@ def test_no_surface_is_a_sentence():
         bone_of_echoes(known, np.stack([above()]))
 
 
-# The words
-
-
-def moved(steps, pose) -> tuple[np.ndarray, np.ndarray]:
-    """Where an image is, by its words, after a turn and slides: its axes (right, into), and how far it went in Reference."""
-    right, into = (pose[:3, axis] / np.linalg.norm(pose[:3, axis]) for axis in (0, 2))
-    gone = np.zeros(3)
-    for step in steps:
-        words = str(step.words).split()
-        if step.arrow == TURN:
-            degrees = float(words[3].rstrip("°")) * (1 if words[4] == "counterclockwise," else -1)
-            turn = np.radians(degrees)
-            right, into = np.cos(turn) * right + np.sin(turn) * into, np.cos(turn) * into - np.sin(turn) * right
-        elif words[0] == "slide":
-            way = {"right": right, "left": -right, "away": into, "toward": -into}[words[5] if words[3] == "to" else words[3]]
-            gone = gone + float(words[1]) * way
-    return np.stack([right, into]), gone
-
-
-@pytest.mark.parametrize("now_deg", [0.0, 90.0, 180.0, -90.0, 100.0, -20.0])
-@pytest.mark.parametrize("there_deg", [0.0, 90.0])
-@pytest.mark.parametrize("way", [(10.0, 0.0), (-10.0, 0.0), (0.0, 10.0), (0.0, -10.0), (12.0, -7.0)])
-def test_a_hand_that_follows_the_words_for_an_image_gets_there(now_deg, there_deg, way):
-    """Both holds of a probe show one plane: what counts is where the image's plane is after turn and slides."""
-    probe = ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), np.eye(4))
-    now, there = ProbePlacement(3.0, -2.0, now_deg), ProbePlacement(3.0 + way[0], -2.0 + way[1], there_deg)
-    axes, gone = moved(directions(now, there, knows_head=False), probe.pose(now))
-    expected = probe.pose(there)
-    np.testing.assert_allclose(gone, (way[0], 0.0, way[1]), atol=0.6 + 12 * np.radians(20.0) * (abs(now_deg) in (20.0, 100.0)))
-    right = expected[:3, 0] / np.linalg.norm(expected[:3, 0])
-    assert abs(axes[0] @ right) > np.cos(np.radians(21.0))
-
-
-@pytest.mark.parametrize("now_deg", [0.0, 90.0, 180.0, -90.0])
-@pytest.mark.parametrize("tilt", [(20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0)])
-@pytest.mark.parametrize("there_deg", [0.0, 90.0])
-def test_a_tilt_is_told_by_where_the_beam_turns_to_in_the_image(now_deg, there_deg, tilt):
-    probe = ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), np.eye(4))
-    now, there = ProbePlacement(0.0, 0.0, now_deg), ProbePlacement(0.0, 0.0, there_deg, *tilt)
-    *turns, last = directions(now, there, knows_head=False)
-    (right, into), _ = moved(turns, probe.pose(now))
-    beam = probe.pose(there)[:3, 1] / IMAGES.spacing[1]
-    expected = {"right": right, "left": -right, "away": into, "toward": -into}
-    told = next(name for name in expected if name in str(last.words))
-    assert beam @ expected[told] > 0.3
-    assert last.arrow == {words: arrow for arrow, words in IMAGE}[str(last.words).split(" more ")[1]]
-
-
 # A sweep, and a scan
 
 
@@ -246,11 +195,7 @@ def echo_image() -> np.ndarray:
 @pytest.fixture(scope="module")
 def sweep() -> TrackedSequence:
     """A plate that beams from three sides have met."""
-    poses = np.stack([above(x=x, z=z) for x in (-3.0, 0.0, 3.0) for z in np.arange(-9.0, 10.0, 1.5)])
-    return TrackedSequence.from_arrays(np.stack([echo_image()] * len(poses)), poses, np.arange(len(poses)) * 0.1)
-
-
-RECIPE = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))
+    return sweep_at([above(x=x, z=z) for x in (-3.0, 0.0, 3.0) for z in np.arange(-9.0, 10.0, 1.5)], echo_image())
 
 
 def test_the_command_coverage_without_labels(sweep, tmp_path, capsys):
@@ -273,14 +218,8 @@ def test_the_command_coverage_without_labels(sweep, tmp_path, capsys):
 
 
 def test_a_sweep_without_bone_is_a_sentence():
-    poses = np.stack([above(z=z) for z in np.arange(-9.0, 10.0, 1.5)])
-    images = np.full((len(poses), *IMAGES.frame_size[::-1]), 40, np.uint8)
-    empty = TrackedSequence.from_arrays(images, poses, np.arange(len(poses)) * 0.1)
     with pytest.raises(GeometryError, match="too few to tell bone by"):
-        guidance_of_sweep(empty, recipe=RECIPE)
-
-
-LIT = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
+        guidance_of_sweep(sweep_at([above(z=z) for z in np.arange(-9.0, 10.0, 1.5)]), recipe=RECIPE)
 
 
 def frames(numbers) -> list[LiveFrame]:

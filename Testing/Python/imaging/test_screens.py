@@ -21,8 +21,8 @@ SIZES = ((480, 640), (576, 720), (600, 800))
 KINDS = {"curved": 0.5, "linear": 0.2, "phased": 0.12, "virtual convex": 0.18}
 """Kinds of images and how often they come."""
 
-DECOYS = ("upside down", "round", "moving picture", "sides covered")
-"""What shows no probe that could be told."""
+DECOYS = ("upside down", "", "moving picture", "sides covered")
+"""What shows no probe that could be told, by numbers."""
 
 RIGHT, REFUSED, WRONG = "right", "refused", "wrong"
 
@@ -34,7 +34,6 @@ LINES, SAMPLES = 160, 320
 class Screen:
     """A recording of a scanner's screen and what is true of it."""
 
-    kind: str
     images: np.ndarray  #: (frames, rows, columns) uint8
     spacing: tuple[float, float]  #: (x, y), mm
     inside: np.ndarray  #: (rows, columns) bool. Where the probe's image is, also where it is dark
@@ -63,14 +62,8 @@ def decoy(seed: int) -> Screen:
     rng = np.random.default_rng([seed, 1])
     kind = DECOYS[seed % len(DECOYS)]
     made = _probe_image(rng, "curved")
-    made.kind, made.apex = kind, None
-    rows, columns = made.images.shape[1:]
-    y, x = np.mgrid[:rows, :columns]
     if kind == "upside down":
         made.images = made.images[:, ::-1].copy()
-    elif kind == "round":
-        middle, radius = (columns / 2, rows / 2), 0.42 * min(rows, columns)
-        made.images = np.where(np.hypot(x - middle[0], y - middle[1]) < radius, _noise(rng, made.images.shape), 0).astype(np.uint8)
     elif kind == "moving picture":
         made.images = _noise(rng, made.images.shape)
     else:
@@ -145,7 +138,7 @@ def _probe_image(rng: np.random.Generator, kind: str) -> Screen:
         next_line = beams[corner + SAMPLES] * (1 - dj) + beams[corner + SAMPLES + 1] * dj
         image[where] = near * (1 - di) + next_line * di
     lit = inside & (images.max(axis=0).astype(int) - images.min(axis=0) > 12)
-    return Screen(kind, images, (sx, sy), inside, lit, apex, (-half, half) if apex else (0.0, 0.0))
+    return Screen(images, (sx, sy), inside, lit, apex, (-half, half) if apex else (0.0, 0.0))
 
 
 def _beams(rng: np.random.Generator, frames: int) -> np.ndarray:
@@ -279,7 +272,7 @@ def answer(made: Screen) -> str:
 
 SEEDS = (0, 2, 4, 5, 7, 8, 10, 12, 58, 62, 99, 104, 148, 191, 1084, 30073, 30140, 30187, 40028, 40115, 70177, 80079, 80131, 80473, 80516)
 REFUSALS = {
-    **{kind: (decoy, seed) for seed, kind in enumerate(DECOYS)},
+    **{kind: (decoy, seed) for seed, kind in enumerate(DECOYS) if kind},
     "the middle of a sector that the border cuts off below": (decoy, 30027),
     "a sector whose sides are covered where only a higher level shows its arc": (decoy, 40015),
     "a narrow middle of a sector whose noise hides its arc at lower levels": (decoy, 50027),

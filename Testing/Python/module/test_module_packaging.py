@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import re
-import struct
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -75,14 +74,6 @@ def test_every_self_test_is_registered():
     folder = REPOSITORY / "Testing" / "Slicer"
     registered = re.findall(r"slicer_add_python_unittest\(SCRIPT (\S+)\)", (folder / "CMakeLists.txt").read_text("utf-8"))
     assert sorted(registered) == relative(folder, folder.glob("*Test.py"))
-
-
-@pytest.mark.parametrize(
-    ("picture", "size"),
-    [("Resources/AIFRecon.png", (128, 128)), ("AIFRecon/Resources/Icons/AIFReconLumbarPhantom.png", (260, 280))],
-)
-def test_icon_and_picture_of_the_sample_data_have_the_size_that_slicer_asks(picture, size):
-    assert struct.unpack(">II", (REPOSITORY / picture).read_bytes()[16:24]) == size
 
 
 @pytest.mark.parametrize("path", MODULE_FILES, ids=name_of)

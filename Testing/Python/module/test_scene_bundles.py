@@ -9,7 +9,7 @@ import pytest
 from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
-from scene_host import transform_node  # noqa: E402
+import tinyScene  # noqa: E402
 from test_scene_foreign_sweep import (  # noqa: E402
     CALIBRATION,
     browser_of,
@@ -37,7 +37,7 @@ def saved(scene, tmp_path):
 def live_under_ras(scene, **options):
     browser = live(scene, **options)
     probe = browser.GetProxyNode(scene.GetFirstNodeByName("ProbeToReference"))
-    probe.SetAndObserveTransformNodeID(transform_node(scene, TO_RAS, "ReferenceToRAS").GetID())
+    tinyScene.addTransform("ReferenceToRAS", TO_RAS, probe)
     return browser
 
 

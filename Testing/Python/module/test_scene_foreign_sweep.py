@@ -7,7 +7,7 @@ import pytest
 from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
-from scene_host import transform_node  # noqa: E402
+import tinyScene  # noqa: E402
 
 from AIFReconLib import read_sequence  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
@@ -69,8 +69,8 @@ def live(scene, **options):
     recorded = sequence_of(scene, "ProbeToReference", pose_nodes([probe_pose(n) for n in range(4)], **options))
     pictures = sequence_of(scene, "Image_Image", image_nodes(images()))
     browser = browser_of(scene, pictures, recorded)
-    calibration = transform_node(scene, CALIBRATION, "ImageToProbe", parent=browser.GetProxyNode(recorded))
-    browser.GetProxyNode(pictures).SetAndObserveTransformNodeID(calibration.GetID())
+    calibration = tinyScene.addTransform("ImageToProbe", CALIBRATION, browser.GetProxyNode(pictures))
+    calibration.SetAndObserveTransformNodeID(browser.GetProxyNode(recorded).GetID())
     return browser
 
 
@@ -98,7 +98,7 @@ def test_reference_to_ras_above_a_live_recording_and_the_image_s_own_matrix_belo
     own, reference_to_ras = np.diag([-1.0, -1.0, 1.0, 1.0]), rigid((0.0, 0.0, 90.0), (10.0, 20.0, 30.0))
     recorded = sequence_of(scene, "ImageToReference", pose_nodes([probe_pose(n) for n in range(3)], "ImageToReference"))
     browser = under_poses(scene, sequence_of(scene, "Image", image_nodes(images(3), lambda number: own)), recorded)
-    browser.GetProxyNode(recorded).SetAndObserveTransformNodeID(transform_node(scene, reference_to_ras, "ReferenceToRAS").GetID())
+    tinyScene.addTransform("ReferenceToRAS", reference_to_ras, browser.GetProxyNode(recorded))
     assert np.allclose(poses_of(browser)[1], reference_to_ras @ probe_pose(1) @ own, atol=1e-12)
 
 
@@ -208,13 +208,6 @@ def test_what_is_known_of_a_sweep_is_looked_up_again_when_a_node_that_is_replaye
     assert status.of(browser).problem
     browser.GetProxyNode(recorded).SetName("ImageToReference")
     assert status.of(browser).lines == ["3 of 3 frames have a position."]
-
-
-def test_a_calibration_of_the_scene_completes_the_chain(scene):
-    recorded = sequence_of(scene, "ProbeToReference", pose_nodes([probe_pose(n) for n in range(3)]))
-    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
-    transform_node(scene, CALIBRATION, "ImageToProbe")
-    assert np.allclose(poses_of(browser)[2], probe_pose(2) @ CALIBRATION, atol=1e-12)
 
 
 # ---- poses within the images

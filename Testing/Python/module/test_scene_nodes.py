@@ -10,11 +10,12 @@ import pytest
 from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+import tinyScene  # noqa: E402
 import vtk  # noqa: E402
-from scene_host import class_counts, transform_node, volume_node  # noqa: E402
 
 from AIFReconLib.bone.map import BoneMap  # noqa: E402
 from AIFReconLib.bone.widths import SIGMA_VOXELS, voxels_around  # noqa: E402
+from AIFReconLib.geometry.transforms import transform_points  # noqa: E402
 from AIFReconLib.geometry.volume import Volume  # noqa: E402
 
 CT_MATRIX = rigid((4.0, -7.0, 11.0), (-30.0, 12.0, 44.0)) @ np.diag([0.8, 0.9, 1.5, 1.0])
@@ -51,7 +52,7 @@ def ids(node, *names):
 
 
 def under(node, matrix):
-    node.SetAndObserveTransformNodeID(transform_node(node.GetScene(), matrix, "Registration").GetID())
+    tinyScene.addTransform("Registration", matrix, node)
     return node
 
 
@@ -68,14 +69,6 @@ def bone_of(node, chosen=None, referenceVolumeNode=None, sigmaVoxels=None) -> Bo
     return BoneMap.from_labels(labels, sigmaVoxels or SIGMA_VOXELS, None, place)
 
 
-def assert_equal(found: BoneMap, expected: BoneMap) -> None:
-    for a, b in ((found.probability, expected.probability), (found.inside, expected.inside)):
-        assert a is not None
-        assert b is not None
-        assert np.allclose(a.ijk_to_reference, b.ijk_to_reference, atol=1e-9)
-        assert np.array_equal(a.array, b.array)
-
-
 # ---- bone
 
 
@@ -83,8 +76,8 @@ def assert_equal(found: BoneMap, expected: BoneMap) -> None:
 def test_a_ct_under_a_transform_lies_where_the_registration_puts_it_in_millimeters(scene, kind):
     made = {
         "segmentation": lambda: segmentation_node(scene, {"L3": ball_labels()}),
-        "labelmap": lambda: volume_node(scene, ball_labels(), CT_MATRIX, class_name="vtkMRMLLabelMapVolumeNode"),
-        "probability": lambda: volume_node(scene, ball_labels().astype(np.float32), CT_MATRIX),
+        "labelmap": lambda: tinyScene.addVolume("vtkMRMLLabelMapVolumeNode", "Labels", ball_labels(), CT_MATRIX),
+        "probability": lambda: tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Sure", ball_labels().astype(np.float32), CT_MATRIX),
     }[kind]()
     bone = bone_of(under(made, REGISTRATION), **({} if kind == "probability" else {"sigmaVoxels": 1.0}))
     k, j, i = np.nonzero(bone.probability.array > (0.5 if kind == "probability" else -1))
@@ -143,7 +136,9 @@ def test_a_segmentation_without_reference_geometry_is_not_cut_off(scene):
     roomy = np.pad(ball_labels(), 20)
     shift = np.eye(4)
     shift[:3, 3] = -20
-    assert_equal(bone, BoneMap.from_labels(Volume(roomy, CT_MATRIX @ shift), sigma_voxels=1.5))
+    expected = BoneMap.from_labels(Volume(roomy, CT_MATRIX @ shift), sigma_voxels=1.5)
+    assert np.array_equal(bone.probability.array, expected.probability.array)
+    assert np.allclose(bone.probability.ijk_to_reference, expected.probability.ijk_to_reference, atol=1e-9)
 
 
 def sphere_surface_node(scene):
@@ -165,45 +160,34 @@ def sphere_surface_node(scene):
 def test_surfaces_become_voxels_of_the_ct_and_stay_as_they_were(scene):
     from AIFReconScene.inputs.boneNodes import labelsFromNode
 
-    ct = volume_node(scene, np.zeros((40, 40, 40), np.int16), np.array([[1, 0, 0, -10], [0, 1, 0, 0], [0, 0, 1, 10], [0, 0, 0, 1.0]]))
+    ct = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "CT", np.zeros((40, 40, 40), np.int16), tinyScene.moved(-10.0, 0.0, 10.0))
     node = sphere_surface_node(scene)
-    before = class_counts(scene)
+    before = tinyScene.nodeIDs()
     labels = labelsFromNode(node, referenceVolumeNode=ct)
     k, j, i = np.nonzero(labels.array)
     center = labels.ijk_to_reference @ [i.mean(), j.mean(), k.mean(), 1]
     assert np.allclose(center[:3], (10, 20, 30), atol=0.2)
     assert len(i) == pytest.approx(4 / 3 * np.pi * 8**3, rel=0.05)
-    assert class_counts(scene) == before
+    assert tinyScene.nodeIDs() == before
     assert not node.GetSegmentation().ContainsRepresentation(slicer.vtkSegmentationConverter.GetBinaryLabelmapRepresentationName())
 
 
 # ---- grids
 
 
-def roi_node(scene):
-    node = scene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "R")
-    node.SetSize(20.0, 30.0, 41.0)
-    node.SetAndObserveObjectToNodeMatrix(slicer.util.vtkMatrixFromArray(ROI_MATRIX))
-    return node
-
-
-def test_a_rotated_roi_is_covered_by_its_voxels_in_millimeters(scene):
+def test_a_rotated_roi_under_a_transform_is_covered_by_its_voxels_about_its_center(scene):
     from AIFReconScene.inputs.gridNodes import gridFromROI
 
-    grid = gridFromROI(roi_node(scene), (0.9, 1.1, 2.0))
+    node = under(scene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "R"), REGISTRATION)
+    node.SetSize(20.0, 30.0, 41.0)
+    node.SetAndObserveObjectToNodeMatrix(slicer.util.vtkMatrixFromArray(ROI_MATRIX))
+    grid = gridFromROI(node, (0.9, 1.1, 2.0))
     edges = (2 * np.array(list(np.ndindex(2, 2, 2))) - 1) * (10.0, 15.0, 20.5)
-    corners = edges @ ROI_MATRIX[:3, :3].T + ROI_MATRIX[:3, 3]
-    ijk = corners @ grid.reference_to_ijk[:3, :3].T + grid.reference_to_ijk[:3, 3]
+    ijk = transform_points(grid.reference_to_ijk @ REGISTRATION @ ROI_MATRIX, edges)
     assert (ijk >= -0.5 - 1e-6).all()
     assert (ijk <= np.array(grid.size) - 0.5 + 1e-6).all()
     assert grid.size == (23, 28, 21)
-
-
-def test_the_center_of_a_grid_is_where_slicer_has_that_of_the_roi(scene):
-    from AIFReconScene.inputs.gridNodes import gridFromROI
-
-    node = under(roi_node(scene), REGISTRATION)
-    assert np.allclose(gridFromROI(node, 0.7).corners().mean(axis=0), node.GetCenterWorld(), atol=1e-6)
+    assert np.allclose(grid.corners().mean(axis=0), node.GetCenterWorld(), atol=1e-6)
 
 
 # ---- volumes
@@ -220,20 +204,15 @@ def test_a_volume_file_and_a_volume_node_lie_in_the_same_place(scene, tmp_path):
     assert storage.ReadData(loaded)
     made = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode")
     updateVolumeNode(made, volume)
-    matrices = [vtk.vtkMatrix4x4(), vtk.vtkMatrix4x4()]
-    loaded.GetIJKToRASMatrix(matrices[0])
-    made.GetIJKToRASMatrix(matrices[1])
-    assert np.allclose(*[slicer.util.arrayFromVTKMatrix(m) for m in matrices], atol=1e-6)
+    assert np.allclose(tinyScene.ijkToRAS(loaded), tinyScene.ijkToRAS(made), atol=1e-6)
     assert np.array_equal(slicer.util.arrayFromVolume(loaded), slicer.util.arrayFromVolume(made))
 
 
 def test_an_existing_node_under_a_transform_shows_the_result_in_its_place(scene):
     from AIFReconScene.volumes.volumeNodes import outputNodes
 
-    node = volume_node(scene, np.zeros((2, 2, 2), np.int16), np.eye(4), parent=transform_node(scene, REGISTRATION))
+    node = under(tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Shown", np.zeros((2, 2, 2), np.int16), np.eye(4)), REGISTRATION)
     made = Volume(np.ones((6, 7, 8), np.uint8), CT_MATRIX)
     outputNodes(SimpleNamespace(intensity=made, mask=made, method="weighted"), "Sweep", nodes={"intensity": node})
-    bounds = [0.0] * 6
-    node.GetRASBounds(bounds)
     expected = [CT_MATRIX @ [i, j, k, 1] for i in (-0.5, 7.5) for j in (-0.5, 6.5) for k in (-0.5, 5.5)]
-    assert np.allclose(np.array(bounds).reshape(3, 2), np.array([np.min(expected, axis=0), np.max(expected, axis=0)]).T[:3], atol=1e-6)
+    assert np.allclose(tinyScene.boundsOf(node), np.array([np.min(expected, axis=0), np.max(expected, axis=0)]).T[:3], atol=1e-6)

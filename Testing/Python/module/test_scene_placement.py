@@ -7,6 +7,7 @@ import pytest
 from sweeps import rigid
 
 pytest.importorskip("slicer", reason="slicer-core is not installed")
+import tinyScene
 
 COLUMNS, ROWS = 800, 600
 
@@ -59,11 +60,10 @@ def test_a_third_column_that_is_nothing_or_leans_does_not_matter():
 
 def test_an_image_under_a_transform_that_warps_is_refused_and_the_scan_goes_on(scene):
     from AIFReconScene.live.nodeImages import NodeImages
-    from scene_host import volume_node, warping_node
 
-    image = volume_node(scene, np.ones((1, 4, 5), np.uint8), np.eye(4))
+    image = tinyScene.addVolume("vtkMRMLScalarVolumeNode", "Image", np.ones((1, 4, 5), np.uint8), np.eye(4))
     images = NodeImages(image)
-    image.SetAndObserveTransformNodeID(warping_node(scene).GetID())
+    tinyScene.addWarping(image)
     image.GetImageData().Modified()
     message = images.take()
     images.stop()

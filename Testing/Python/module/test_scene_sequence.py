@@ -3,62 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from files import COLUMNS, ROWS, calibrated, tracked_sequence
 from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
-from scene_host import transform_node  # noqa: E402
+import tinyScene  # noqa: E402
 
 from AIFReconLib.errors import TransformError  # noqa: E402
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
+from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus  # noqa: E402
 from AIFReconLib.holes.filling import HoleFilling  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion  # noqa: E402
-from AIFReconLib.sweep.configuration import PlusConfiguration  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
-IMAGE_TO_PROBE = TransformName("Image", "Probe")
-PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
-REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
-COMMENT = {"Comment": 'a 50% "sweep" of <a & b>;\n\u00b5m'}
+CONFIGURED: dict[str, Any] = {
+    "image_frame": "Image",
+    "reference_frame": "Reference",
+    "spacing": (0.9, 0.9, 0.9),
+    "region": ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0)), FanDetection(25.0, 3)),
+    "holes": (HoleFilling("stick", 9, sticks=2), HoleFilling("gaussian", 5, 0.7, 0.4)),
+    "probe": ProbeGeometry("sector", (8.0, -6.0)),
+    "method": "average",
+    "skip": 2,
+    "warnings": ("LINEAR is not honored.",),
+}
 
 
-def plus_configuration() -> PlusConfiguration:
-    calibration = rigid((3.0, -4.0, 80.0), (5.0, 6.0, -7.0)) @ np.diag([0.31, 0.47, 0.4, 1.0])
-    return PlusConfiguration(
-        path=Path("PlusDeviceSet.xml"),
-        transforms={IMAGE_TO_PROBE: TransformSample(calibration)},
-        image_frame="Image",
-        reference_frame="Reference",
-        spacing=(0.9, 0.9, 0.9),
-        region=ImageRegion(ClipRectangle((1.0, 2.0), (15.0, 11.0)), Fan((8.0, -6.0), (-40.0, 40.0), (5.0, 40.0)), FanDetection(25.0, 3)),
-        holes=(HoleFilling("stick", 9, sticks=2), HoleFilling("gaussian", 5, 0.7, 0.4)),
-        probe=ProbeGeometry("sector", (8.0, -6.0)),
-        method="average",
-        skip=2,
-        warnings=("LINEAR is not honored.",),
-    )
-
-
-def sweep(frames: int = 7, lost=(2, 3), dtype=np.uint8, start: float = 215.1021, step: float = 0.0521) -> TrackedSequence:
-    """A recording with a calibration in its configuration, oblique poses, anisotropic pixels and a tool that was out of view."""
-    rng = np.random.default_rng(4)
-    images = rng.integers(0, 250, (frames, 14, 18)).astype(dtype)
-    records = []
-    for number in range(frames):
-        status = TransformStatus.OUT_OF_VIEW if number in lost else TransformStatus.OK
-        probe = rigid((10.0 + number, 20.0, -30.0), (100.0 / 3, 2.0 * number / 3, 1.0 + number / 7))
-        transforms = {
-            PROBE_TO_TRACKER: TransformSample(np.eye(4) if number in lost else probe, status),
-            REFERENCE_TO_TRACKER: TransformSample(rigid((1.0, 2.0, 3.0), (4.0 / 3, 5.0, 6.0))),
-        }
-        time = start + step * number
-        records.append(FrameRecord(time, time - 0.001, TransformStatus.OK, transforms, {"FrameNumber": str(number + 7)}))
-    return TrackedSequence(images, records, COMMENT, {}, plus_configuration(), Path("sweep.igs.mha"))
+def sweep(frames: int = 7, lost=(2, 3), dtype=np.uint8) -> TrackedSequence:
+    """A recording with its calibration, and much else, in its configuration, and a tool that was out of view."""
+    images = np.random.default_rng(4).integers(0, 250, (frames, ROWS, COLUMNS)).astype(dtype)
+    return calibrated(tracked_sequence(frames, statuses=dict.fromkeys(lost, TransformStatus.OUT_OF_VIEW), images=images), **CONFIGURED)
 
 
 @pytest.fixture
@@ -72,15 +51,6 @@ def back(browser, *arguments) -> TrackedSequence:
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     return sequenceFromBrowser(browser, *arguments)
-
-
-def world_matrix(node) -> np.ndarray:
-    """Slicer's own answer to where a node's coordinates lie."""
-    import vtk
-
-    matrix = vtk.vtkMatrix4x4()
-    node.GetParentTransformNode().GetMatrixTransformToWorld(matrix)
-    return slicer.util.arrayFromVTKMatrix(matrix)
 
 
 def proxy(browser, name):
@@ -103,7 +73,7 @@ def test_pixels_of_any_type_come_back(scene, dtype):
 
 
 def test_the_configuration_comes_back_without_the_calibration_that_is_in_the_poses(converted):
-    expected = replace(plus_configuration(), transforms={}, image_frame=None, reference_frame=None)
+    expected = replace(sweep().configuration, transforms={}, image_frame=None, reference_frame=None)
     assert vars(back(converted).configuration) == vars(expected)
 
 
@@ -118,7 +88,7 @@ def test_a_transform_that_one_frame_lacks_is_missing_there(scene):
     from AIFReconScene.sweep.sequenceNodes import browserFromSequence
 
     recording = sweep(lost=())
-    del recording.records[4].transforms[PROBE_TO_TRACKER]
+    del recording.records[4].transforms[TransformName("Probe", "Tracker")]
     assert sweep_poses(back(browserFromSequence(recording, "Sweep"))).usable.tolist() == [0, 1, 2, 3, 5, 6]
 
 
@@ -131,7 +101,7 @@ def test_times_that_cannot_number_frames_are_kept_beside_frame_numbers(scene, ti
 
     recording = sweep(len(times), lost=())
     records = [FrameRecord(time, None, r.image_status, r.transforms) for time, r in zip(times, recording.records)]
-    browser = browserFromSequence(TrackedSequence(recording.images, records, configuration=plus_configuration()), "Sweep")
+    browser = browserFromSequence(replace(recording, records=records), "Sweep")
     assert [r.timestamp for r in back(browser).records] == times
     assert [browser.GetMasterSequenceNode().GetNthIndexValue(n) for n in range(len(times))] == ["0", "1", "2"]
 
@@ -139,7 +109,7 @@ def test_times_that_cannot_number_frames_are_kept_beside_frame_numbers(scene, ti
 def test_replaying_puts_the_image_where_its_pose_says_and_tells_a_frame_out_of_view(converted):
     converted.SetSelectedItemNumber(5)
     image = proxy(converted, "Image")
-    assert np.allclose(world_matrix(image), sweep_poses(sweep()).image_to_reference[5], atol=1e-9)
+    assert np.allclose(tinyScene.worldOf(image), sweep_poses(sweep()).image_to_reference[5], atol=1e-9)
     assert np.array_equal(slicer.util.arrayFromVolume(image)[0], sweep().images[5])
     converted.SetSelectedItemNumber(3)
     assert proxy(converted, "ImageToReference").GetAttribute("TransformStatus") == "OUT_OF_VIEW"
@@ -149,13 +119,12 @@ def test_replaying_puts_the_image_where_its_pose_says_and_tells_a_frame_out_of_v
 
 
 def test_a_corner_pixel_lies_where_slicer_shows_it(scene, converted):
-    top = transform_node(scene, rigid((0.0, 0.0, 45.0), (1.0, 2.0, 3.0)), "Table")
-    middle = transform_node(scene, rigid((30.0, 0.0, 0.0), (-5.0, 0.0, 0.0)), "ReferenceToRAS", parent=top)
-    proxy(converted, "ImageToReference").SetAndObserveTransformNodeID(middle.GetID())
-    corner = np.array([17.0, 13.0, 0.0, 1.0])
+    middle = tinyScene.addTransform("ReferenceToRAS", rigid((30.0, 0.0, 0.0), (-5.0, 0.0, 0.0)), proxy(converted, "ImageToReference"))
+    tinyScene.addTransform("Table", rigid((0.0, 0.0, 45.0), (1.0, 2.0, 3.0)), middle)
+    corner = np.array([39.0, 29.0, 0.0, 1.0])
     found = sweep_poses(back(converted)).image_to_reference[6] @ corner
     converted.SetSelectedItemNumber(6)
-    assert np.allclose(found, world_matrix(proxy(converted, "Image")) @ corner, atol=1e-6)
+    assert np.allclose(found, tinyScene.worldOf(proxy(converted, "Image")) @ corner, atol=1e-6)
 
 
 def test_a_transform_that_another_browser_replays_is_refused(scene, converted):

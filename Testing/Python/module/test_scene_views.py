@@ -9,10 +9,11 @@ import pytest
 from sweeps import rigid
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+import tinyScene  # noqa: E402
 import vtk  # noqa: E402
-from scene_host import class_counts, transform_node, volume_node  # noqa: E402
 
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
+from AIFReconLib.geometry.transforms import transform_points  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import Fan, ImageRegion  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
@@ -31,19 +32,17 @@ def logic(scene, monkeypatch):
 
 @pytest.fixture
 def ct(scene):
-    node = volume_node(scene, np.zeros((30, 30, 30), np.int16), np.diag([2.0, 2.0, 2.0, 1.0]), "CT")
-    node.CreateDefaultDisplayNodes()
-    return node
+    return tinyScene.addVolume("vtkMRMLScalarVolumeNode", "CT", np.zeros((30, 30, 30), np.int16), np.diag([2.0, 2.0, 2.0, 1.0]))
 
 
 @pytest.fixture
 def output(scene):
-    return made_output(scene, "Output")
+    return made_output("Output")
 
 
-def made_output(scene, name):
-    node = volume_node(scene, np.random.default_rng(0).integers(0, 200, (20, 21, 22)).astype(np.uint8), PLACE, name)
-    node.CreateDefaultDisplayNodes()
+def made_output(name):
+    array = np.random.default_rng(0).integers(0, 200, (20, 21, 22)).astype(np.uint8)
+    node = tinyScene.addVolume("vtkMRMLScalarVolumeNode", name, array, PLACE)
     node.GetDisplayNode().SetAutoWindowLevel(False)
     node.GetDisplayNode().SetWindowLevelMinMax(0, 200)
     return node
@@ -51,12 +50,6 @@ def made_output(scene, name):
 
 def composite(logic, view):
     return logic.GetSliceLogicByLayoutName(view).GetSliceCompositeNode()
-
-
-def center_of(node) -> np.ndarray:
-    bounds = [0.0] * 6
-    node.GetRASBounds(bounds)
-    return np.array(bounds).reshape(3, 2).mean(axis=1)
 
 
 # ---- over the CT
@@ -71,17 +64,8 @@ def test_the_output_covers_the_ct_and_views_go_to_it_in_millimeters(logic, ct, o
     assert (shown.GetBackgroundVolumeID(), shown.GetForegroundVolumeID()) == (ct.GetID(), output.GetID())
     assert shown.GetForegroundOpacity() == 0.35
     slice_node = logic.GetSliceLogicByLayoutName(view).GetSliceNode()
-    to_ras = slicer.util.arrayFromVTKMatrix(slice_node.GetSliceToRAS())
-    assert np.allclose(to_ras[:3, 3], center_of(output), atol=0.01)
+    assert np.allclose(tinyScene.placeOf(slice_node)[:3, 3], tinyScene.boundsOf(output).mean(axis=1), atol=0.01)
     assert 20 < max(slice_node.GetFieldOfView()[:2]) < 80
-
-
-def test_without_a_ct_the_output_is_the_background(logic, output):
-    from AIFReconScene.display.sliceDisplay import showOverCT
-
-    showOverCT(output, None, 0.5)
-    assert composite(logic, "Red").GetBackgroundVolumeID() == output.GetID()
-    assert not composite(logic, "Red").GetForegroundVolumeID()
 
 
 # ---- side by side
@@ -90,7 +74,7 @@ def test_without_a_ct_the_output_is_the_background(logic, output):
 def side_by_side(scene, logic, ct, count=3):
     from AIFReconScene.display.sliceDisplay import showSideBySide
 
-    nodes = [made_output(scene, f"V{n}") for n in range(1, count + 1)]
+    nodes = [made_output(f"V{n}") for n in range(1, count + 1)]
     showSideBySide([(node, f"method {n}") for n, node in enumerate(nodes, 1)], ct)
     return nodes
 
@@ -167,13 +151,7 @@ def overlay(scene):
 
 
 def points_in_world(node) -> np.ndarray:
-    from vtk.util import numpy_support
-
-    matrix = vtk.vtkMatrix4x4()
-    if node.GetParentTransformNode() is not None:
-        node.GetParentTransformNode().GetMatrixTransformToWorld(matrix)
-    points = numpy_support.vtk_to_numpy(node.GetPolyData().GetPoints().GetData())
-    return points @ slicer.util.arrayFromVTKMatrix(matrix)[:3, :3].T + slicer.util.arrayFromVTKMatrix(matrix)[:3, 3]
+    return transform_points(tinyScene.worldOf(node), slicer.util.arrayFromModelPoints(node))
 
 
 def test_beams_of_a_turned_image_are_turned_with_it(browser, overlay):
@@ -201,18 +179,17 @@ def test_frames_with_a_pose_are_outlined_each_in_its_plane_and_others_are_not(br
 
 
 def test_hiding_removes_everything_that_was_drawn(scene, browser, overlay):
-    before = class_counts(scene)
+    before = tinyScene.nodeIDs()
     overlay.showProbe(browser, None, SECTOR, FAN)
     overlay.showOutlines(browser, sequence_of(browser), FAN)
     overlay.hide()
-    assert class_counts(scene) == before
+    assert tinyScene.nodeIDs() == before
 
 
 def test_the_probe_of_a_sweep_under_a_transform_lies_where_the_image_does_with_its_beams_from_the_apex(scene, browser, overlay):
     reference_to_ras = rigid((0.0, 90.0, 0.0), (7.0, 8.0, 9.0))
     master = browser.GetMasterSequenceNode()
-    pose_node = browser.GetProxyNode(master).GetParentTransformNode()
-    pose_node.SetAndObserveTransformNodeID(transform_node(scene, reference_to_ras, "ReferenceToRAS").GetID())
+    tinyScene.addTransform("ReferenceToRAS", reference_to_ras, browser.GetProxyNode(master).GetParentTransformNode())
     node = overlay.showProbe(browser, None, SECTOR, FAN)
     browser.SetSelectedItemNumber(3)
     apex = (reference_to_ras @ pose(3) @ [30.0, -5.0, 0.0, 1.0])[:3]
