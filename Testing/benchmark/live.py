@@ -12,7 +12,6 @@ For each stream it tells the frames that the server sent, and where they went; t
 from __future__ import annotations
 
 import argparse
-import threading
 import time
 from pathlib import Path
 
@@ -101,21 +100,15 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     process, server = start_python(serve, columns, rows, float(rate))
     client = OpenIGTLinkClient("127.0.0.1", server.recv())
     session = LiveSession(client, settings, growing if seen else BoneMap.from_labels(plate(), sigma_mm=4.0), grid)
-    preparing = time.monotonic()
     session.prepare()
-    prepared = time.monotonic() - preparing
     asking = BoneWatch(session, growing, lambda imaging: model or EchoEstimator(imaging)) if seen else None
     session.start()
     began, samples, p99s = time.monotonic(), [], []
-    computed = time.process_time()
-    threads = threading.active_count()
     while (elapsed := time.monotonic() - began) < arguments.seconds:
         time.sleep(min(1.0, max(arguments.seconds - elapsed, 0.0)))
         statistics = session.statistics
         samples.append(psutil.Process().memory_info().rss / 2**20)
         p99s.append(statistics.latency_p99)
-    computed = (time.process_time() - computed) / (time.monotonic() - began)
-    dropped = client.statistics.dropped
     looked_at = asking.frames / (time.monotonic() - began) if asking else None
     if asking:
         asking.stop()
@@ -127,26 +120,16 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     settled = samples[min(len(samples) // 4, 30) :]
     return {
         "stream": stream,
-        "method": arguments.method,
-        "engine": arguments.engine,
-        "seconds": arguments.seconds,
-        "voxels": grid.voxels,
-        "preparation_s": prepared,
         "sent": sent,
         "left_out_by_server": left_out,
         "received": statistics.frames_received,
         "inserted": statistics.inserted,
         "skipped": statistics.skipped,
-        "messages_dropped": dropped,
         "latency_p50_ms": 1000 * statistics.latency_p50,
         "latency_p99_ms": 1000 * statistics.latency_p99,
         "worst_latency_p99_ms": 1000 * max((p99 for p99 in p99s if np.isfinite(p99)), default=float("nan")),
-        "cores_used": computed,
         "bone_looked_for_per_s": looked_at,
-        "bone_problem": str(asking.problem) if asking and asking.problem else None,
-        "memory_mib": samples[-1],
         "memory_growth_mib": samples[-1] - settled[0],
-        "threads": threads,
         "error": str(session.error) if session.error else None,
     }
 

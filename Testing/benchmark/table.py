@@ -48,7 +48,7 @@ class BenchmarkResult:
         for what, timed in methods.items():
             best = timed.get(("numba", True)) or timed.get(("numba", False)) or timed["numpy", False]
             speeds = (timed.get(each) for each in (("numpy", False), ("numba", False), ("numba", True)))
-            cells = [_cell(each and each.frames_per_second, ".0f") for each in speeds]
+            cells = [_cell(each.frames_per_second if each else None, ".0f") for each in speeds]
             cells += [_cell(best.ns_per_pixel, ".1f"), _cell(best.times_yardstick, ".1f"), _cell(best.bytes_per_voxel, "d")]
             lines.append([what, *cells])
         head = ("", "numpy, frames/s", "numba, 1 thread", "numba, all threads", "ns a pixel", "x plain loop", "bytes a voxel")

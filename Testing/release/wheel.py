@@ -40,10 +40,10 @@ def environment(folder: Path, wheel: Path) -> Path:
 def run(programs: Path, folder: Path) -> int:
     """How many Python blocks of the README ran in the environment, in a folder that holds their files."""
 
-    def call(*command: str | Path, **options: bool) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(command, cwd=folder, env=SURROUNDINGS, check=True, text=True, **options)
+    def call(*command: str | Path, stdout: int | None = None) -> str:
+        return subprocess.run(command, cwd=folder, env=SURROUNDINGS, check=True, text=True, stdout=stdout).stdout
 
-    where = call(programs / "python", "-c", "import AIFReconLib; print(AIFReconLib.__file__)", capture_output=True).stdout.strip()
+    where = call(programs / "python", "-c", "import AIFReconLib; print(AIFReconLib.__file__)", stdout=subprocess.PIPE).strip()
     if Path(where).is_relative_to(REPOSITORY):
         raise RuntimeError(f"this is not the wheel's library: {where}")
     call(programs / "aifrecon", "--version")
