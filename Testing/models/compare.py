@@ -80,8 +80,9 @@ def simulated(folder: Path, seed: int = 0, frames: int = FRAMES) -> Case:
 def real(folder: Path, every: int = EVERY) -> Case:
     """A cadaver's fibula."""
     whole, labels = read_sequence(folder / "fibula-distal.igs.mha"), read_labels(folder / "fibula-labels.nrrd")
-    name = f"real fibula, every {every}th of {len(whole)} frames"
-    return Case(name, select_frames(whole, every=every), labels, Recipe(probe=LINEAR, spacing=0.5))
+    return Case(
+        f"real fibula, {len(whole)} frames by {every}", select_frames(whole, every=every), labels, Recipe(probe=LINEAR, spacing=0.5)
+    )
 
 
 def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], BoneMap | None]]]:

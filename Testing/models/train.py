@@ -11,7 +11,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import BoneEstimator, EchoEstimator
-from AIFReconLib.sweep.edits import select_frames
+from AIFReconLib.effective_settings import Imaging
+from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.sweep.poses import tracked_frames
 from models.compare import Case, real, simulated
 from models.truth import TrueBone, worth_of
@@ -179,12 +180,11 @@ def export(network: TinyUNet, path: Path) -> None:
     path.with_suffix(".json").write_text(json.dumps(description) + "\n")
 
 
-def report(case: Case, model: Path) -> None:
+def report(case: Case, imaging: Imaging, model: Path, every: int) -> None:
     """A line for each estimator."""
-    imaging = case.imaging
     estimators: dict[str, tuple[BoneEstimator, float]] = {"network": (OnnxModel(model), 0.5), "classical": (EchoEstimator(imaging), 0.01)}
     for name, (estimator, sure) in estimators.items():
-        precision, recall, off = worth_of(estimator, TrueBone(case.labels, imaging), case.sequence, case.poses, sure)
+        precision, recall, off = worth_of(estimator, TrueBone(case.labels, imaging), case.sequence, case.poses, every, sure)
         f1 = 2 * precision * recall / max(precision + recall, 1e-9)
         print(f"{case.name}, {name}: precision {precision:.3f}, recall {recall:.3f}, F1 {f1:.3f}, {off:.2f} mm", flush=True)
 
@@ -200,9 +200,9 @@ def main() -> None:
         patients = {seed: simulated(Path(folder, str(seed)), seed, FRAMES) for seed in (*TRAINED, *HELD_OUT)}
         export(trained([patients[seed] for seed in TRAINED], arguments.minutes), arguments.output)
         for seed in HELD_OUT:
-            report(replace(patients[seed], sequence=select_frames(patients[seed].sequence, every=4)), arguments.output)
+            report(patients[seed], patients[seed].imaging, arguments.output, 4)
     if arguments.real:
-        report(real(arguments.real, 8), arguments.output)
+        report(real(arguments.real, 1), Imaging(ImageRegion(), ProbeGeometry(LINEAR)), arguments.output, 8)
 
 
 if __name__ == "__main__":

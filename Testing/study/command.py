@@ -48,8 +48,6 @@ class Study:
         if self.options:
             self.options(parser)
         arguments = parser.parse_args(words)
-        if arguments.patients < 1 or arguments.jobs < 1:
-            parser.error("a study takes at least 1 patient and 1 job")
         if arguments.pages and arguments.patients < self.patients:
             parser.error("the pages are of whole studies: leave out --patients or --pages")
         return reported(lambda: self._work_through(arguments))

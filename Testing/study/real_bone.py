@@ -25,10 +25,7 @@ from .real_bone_paths import path_rows
 
 def main(words: list[str]) -> int:
     """Run what is missing, then write the page and the pictures; the answer is the exit status."""
-    parser = study_parser("real_bone", __doc__)
-    arguments = parser.parse_args(words)
-    if arguments.jobs < 1:
-        parser.error("a study takes at least 1 job")
+    arguments = study_parser("real_bone", __doc__).parse_args(words)
     output: Path = arguments.output
 
     def work_through() -> list[str]:

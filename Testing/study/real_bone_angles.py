@@ -158,17 +158,9 @@ def angle_rows(echoes: Echoes) -> list[dict[str, float]]:
 def shadow_rows(echoes: Echoes) -> list[dict[str, float]]:
     """Per stretch of `SHADOW`: mean gray level behind bone, deviation along the line, and simulated levels without and with clutter."""
     courses = [_simulated_shadow(UltrasoundEffects(clutter=clutter)) for clutter in (False, True)]
-    return [
-        {
-            "near": near,
-            "far": far,
-            "gray": float(np.nanmean(echoes.shadow[:, number])),
-            "deviation": float(np.nanmean(echoes.shadow_deviation[:, number])),
-            "black": courses[0][number],
-            "clutter": courses[1][number],
-        }
-        for number, (near, far) in enumerate(SHADOW)
-    ]
+    gray, deviation = (np.nanmean(each, axis=0).tolist() for each in (echoes.shadow, echoes.shadow_deviation))
+    columns = zip(*zip(*SHADOW, strict=True), gray, deviation, *courses, strict=True)
+    return [dict(zip(("near", "far", "gray", "deviation", "black", "clutter"), row, strict=True)) for row in columns]
 
 
 def _simulated_shadow(effects: UltrasoundEffects) -> list[float]:
