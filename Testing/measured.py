@@ -12,12 +12,24 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 from datetime import date
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 FOLDER = REPOSITORY / "docs" / "measured"
 PLACE = re.compile(r"<!-- measured: ([\w-]+) -->([ \n]).*?<!-- end -->", re.DOTALL)
+
+
+def table(head: Sequence[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table in Markdown."""
+    first, *others = (f"| {' | '.join(cells)} |" for cells in (head, *rows))
+    return "\n".join([first, "|---" * len(head) + "|", *others])
+
+
+def shown(number: float, form: str, unknown: str = "-") -> str:
+    """A number of a table, NaN as it is said to be."""
+    return unknown if number != number else format(number, form)
 
 
 def pages() -> list[Path]:

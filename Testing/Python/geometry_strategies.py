@@ -17,6 +17,11 @@ def scaled(x: float, y: float, z: float) -> np.ndarray:
     return np.diag([x, y, z, 1.0])
 
 
+IMAGE_TO_PROBE = rigid((0.1, 0.2, -0.3), (5.0, 6.0, 7.0)) @ scaled(0.2, 0.3, 0.25)
+PROBE_TO_TRACKER = rigid((1.1, -0.4, 0.2), (100.0, 50.0, -20.0))
+REFERENCE_TO_TRACKER = rigid((-0.5, 0.9, 1.4), (-30.0, 10.0, 400.0))
+
+
 def numbers(low: float, high: float) -> st.SearchStrategy[float]:
     """Finite floats between two bounds."""
     return st.floats(low, high, allow_nan=False, allow_subnormal=False)

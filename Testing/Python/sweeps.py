@@ -26,6 +26,12 @@ def image_pose(spacing=(0.4, 0.7), rotation_vector_deg=(0.0, 0.0, 0.0), translat
     return rigid(rotation_vector_deg, translation) @ np.diag([spacing[0], spacing[1], 0.5 * sum(spacing), 1.0])
 
 
+def laid_on(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Points moved as one to where others are, (n, 3) each."""
+    here, there = points.mean(axis=0), others.mean(axis=0)
+    return Rotation.align_vectors(others - there, points - here)[0].apply(points - here) + there
+
+
 def oblique_frames(seed=0, count=5, shape=(26, 34), spacing=(0.4, 0.7), dtype=np.uint8) -> list[TrackedFrame]:
     """Frames about the origin, each turned and shifted at random; integers fill their type's range, floats 0 to 300."""
     rng = np.random.default_rng(seed)

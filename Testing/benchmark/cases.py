@@ -1,4 +1,4 @@
-"""What the benchmark reconstructs beside the sweep of `aifrecon benchmark`: the same turned and as a recording, labels, and holes."""
+"""What the benchmark reconstructs beside the sweep of `aifrecon benchmark`: the same turned, labels, and holes."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transforms import affine
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.sweep.frames import FrameRecord, TrackedFrame, TrackedSequence
+from AIFReconLib.sweep.frames import TrackedFrame
 from AIFReconLib.workflows.benchmark import sector_probe
 
 COLUMNS, ROWS = 640, 480
@@ -21,16 +21,8 @@ PROBE = sector_probe(COLUMNS, ROWS)
 
 def turned(sweep: list[TrackedFrame], degrees: float) -> list[TrackedFrame]:
     """The sweep, turned about each axis of Reference."""
-    turn = np.eye(4)
-    turn[:3, :3] = Rotation.from_euler("xyz", [degrees] * 3, degrees=True).as_matrix()
+    turn = affine(Rotation.from_euler("xyz", [degrees] * 3, degrees=True).as_matrix())
     return [replace(frame, image_to_reference=turn @ frame.placed()[1]) for frame in sweep]
-
-
-def recorded(sweep: list[TrackedFrame]) -> TrackedSequence:
-    """The sweep as a sequence that can be written to a file."""
-    name = TransformName("Image", "Reference")
-    records = [FrameRecord(timestamp=f.timestamp, transforms={name: TransformSample(f.placed()[1])}) for f in sweep]
-    return TrackedSequence(np.stack([f.placed()[0] for f in sweep]), records)
 
 
 def labels_of_size(voxels: int) -> Volume:

@@ -16,7 +16,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from measured import keep
+from measured import keep, table
 
 from AIFReconLib.message import columns
 from AIFReconLib.workflows.benchmark import busy_share, busy_warning, machine
@@ -48,12 +48,10 @@ def commands(folder: Path, data: Path | None) -> dict[str, list[str]]:
         "`plan`": ["plan", *bone, "-o", str(folder / "plan.json")],
         "`calibrate --check`": ["calibrate", *sweep, *bone, "--check"],
     }
-    fibula = None if data is None else data / "fibula"
-    if fibula is not None and fibula.is_dir():
+    if data is not None and (fibula := data / "fibula").is_dir():
         bone = ["--bone-labels", str(fibula / "fibula-labels.nrrd"), "--probe", "linear", "--spacing", "0.5"]
-        result["`reconstruct` with a CT, fibula"] = [
-            *("reconstruct", str(fibula / "fibula-distal.igs.mha"), *bone, "-o", str(folder / "fibula.nrrd"))
-        ]
+        words = ["reconstruct", str(fibula / "fibula-distal.igs.mha"), *bone, "-o", str(folder / "fibula.nrrd")]
+        result["`reconstruct` with a CT, fibula"] = words
     return result
 
 
@@ -88,8 +86,7 @@ def measure(data: Path | None, names: tuple[str, ...] = ()) -> list[Row]:
 
 def markdown(rows: list[Row]) -> str:
     """The table for the pages."""
-    lines = ["| " + " | ".join(HEADING) + " |", "|---" * len(HEADING) + "|"]
-    return "\n".join([*lines, *("| " + " | ".join([name, *(f"{second:.1f}" for second in seconds)]) + " |" for name, *seconds in rows)])
+    return table(HEADING, ([name, *(f"{second:.1f}" for second in seconds)] for name, *seconds in rows))
 
 
 def main(words: list[str] | None = None) -> int:

@@ -12,7 +12,6 @@ For each stream it tells the frames that the server sent, and where they went; t
 from __future__ import annotations
 
 import argparse
-import threading
 import time
 from pathlib import Path
 
@@ -20,7 +19,6 @@ import numpy as np
 import psutil
 
 from AIFReconLib.bone.echoes.surface import LEAST_A_FRAME
-from AIFReconLib.bone.field import BoneField
 from AIFReconLib.bone.growing_bone import GrowingBone
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.network.model import OnnxModel
@@ -28,20 +26,17 @@ from AIFReconLib.bone.predicted_bone import EchoEstimator
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transforms import affine
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.live.replay.server import ReplayServer
-from AIFReconLib.live.session.agreement_watch import AgreementWatch
 from AIFReconLib.live.session.bone_watch import BoneWatch
-from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.machine.processes import start_python
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.simulation.anatomy import make_lumbar_phantom
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 DEPTH = 96.0
@@ -80,9 +75,7 @@ def plate() -> Volume:
     """The labels of a plate of bone across the whole sweep."""
     labels = np.zeros((40, 60, 70), np.uint8)
     labels[:, int(BONE[0]) // 2 : int(BONE[1]) // 2] = 1
-    matrix = np.diag([2.0, 2.0, 2.0, 1.0])
-    matrix[:3, 3] = (-70.0, 0.0, -40.0)
-    return Volume(labels, matrix)
+    return Volume(labels, affine(2.0 * np.eye(3), (-70.0, 0.0, -40.0)))
 
 
 def serve(connection, columns: int, rows: int, rate: float) -> None:
@@ -106,42 +99,19 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     seen, growing = bool(model or arguments.bone_from_sweep), GrowingBone(least_a_frame=LEAST_A_FRAME * arguments.bone_from_sweep)
     process, server = start_python(serve, columns, rows, float(rate))
     client = OpenIGTLinkClient("127.0.0.1", server.recv())
-    session = LiveSession(
-        client,
-        settings,
-        growing if seen else BoneMap.from_labels(plate(), sigma_mm=4.0),
-        grid,
-    )
-    preparing = time.monotonic()
+    session = LiveSession(client, settings, growing if seen else BoneMap.from_labels(plate(), sigma_mm=4.0), grid)
     session.prepare()
-    prepared = time.monotonic() - preparing
-    watches: list[Watch] = []
-    if arguments.agreement:
-        watches.append(AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4)))
-    if arguments.guidance:
-        guidance = GuidanceWatch(session, growing if seen else make_lumbar_phantom().labels, np.eye(4))
-        guidance.prepared.wait()
-        watches.append(guidance)
     asking = BoneWatch(session, growing, lambda imaging: model or EchoEstimator(imaging)) if seen else None
-    watches += [asking] if asking else []
     session.start()
-    began, samples, p99s, snapshots = time.monotonic(), [], [], []
-    computed = time.process_time()
-    threads = threading.active_count()
+    began, samples, p99s = time.monotonic(), [], []
     while (elapsed := time.monotonic() - began) < arguments.seconds:
         time.sleep(min(1.0, max(arguments.seconds - elapsed, 0.0)))
-        if arguments.snapshots:
-            asked = time.monotonic()
-            session.snapshot()
-            snapshots.append(time.monotonic() - asked)
         statistics = session.statistics
         samples.append(psutil.Process().memory_info().rss / 2**20)
         p99s.append(statistics.latency_p99)
-    computed = (time.process_time() - computed) / (time.monotonic() - began)
-    dropped = client.statistics.dropped
     looked_at = asking.frames / (time.monotonic() - began) if asking else None
-    for watch in watches:
-        watch.stop()
+    if asking:
+        asking.stop()
     session.stop()
     statistics = session.statistics
     server.send("enough")
@@ -150,27 +120,16 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     settled = samples[min(len(samples) // 4, 30) :]
     return {
         "stream": stream,
-        "method": arguments.method,
-        "engine": arguments.engine,
-        "seconds": arguments.seconds,
-        "voxels": grid.voxels,
-        "preparation_s": prepared,
         "sent": sent,
         "left_out_by_server": left_out,
         "received": statistics.frames_received,
         "inserted": statistics.inserted,
         "skipped": statistics.skipped,
-        "messages_dropped": dropped,
         "latency_p50_ms": 1000 * statistics.latency_p50,
         "latency_p99_ms": 1000 * statistics.latency_p99,
         "worst_latency_p99_ms": 1000 * max((p99 for p99 in p99s if np.isfinite(p99)), default=float("nan")),
-        "cores_used": computed,
         "bone_looked_for_per_s": looked_at,
-        "bone_problem": str(asking.problem) if asking and asking.problem else None,
-        "snapshot_ms": 1000 * float(np.median(snapshots)) if snapshots else None,
-        "memory_mib": samples[-1],
         "memory_growth_mib": samples[-1] - settled[0],
-        "threads": threads,
         "error": str(session.error) if session.error else None,
     }
 
@@ -184,9 +143,6 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--size", action="append", metavar="WxH@FPS", help=f"a stream; may be repeated (default: {', '.join(STREAMS)})")
     parser.add_argument("--method", choices=METHODS, default="aif-compensated")
     parser.add_argument("--engine", default="auto")
-    parser.add_argument("--snapshots", action="store_true", help="take a snapshot every second, as a display does")
-    parser.add_argument("--agreement", action="store_true", help="watch how well a CT agrees, as the module does")
-    parser.add_argument("--guidance", action="store_true", help="tell which bone was met and where to look next, as the module does")
     parser.add_argument("--bone-model", type=Path, metavar="FILE.onnx", help="let a network tell where bone is, in the place of a CT")
     parser.add_argument("--bone-from-sweep", action="store_true", help="let the echoes tell where bone is, in the place of a CT")
     arguments = parser.parse_args(words)

@@ -35,40 +35,21 @@ def voxel(matrix, row, column):
     return k, j, i
 
 
-@njit(nogil=True, cache=True)
-def plain_average(image, matrix, total, hits):
-    """Add one frame's pixels to sums and counts [k, j, i]."""
-    nk, nj, ni = total.shape
-    for row in range(image.shape[0]):
-        for column in range(image.shape[1]):
-            k, j, i = voxel(matrix, row, column)
-            if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
-                total[k, j, i] += image[row, column]
-                hits[k, j, i] += 1
+def plain(rule):
+    """The loop that puts one frame's pixels into values and counts [k, j, i], by what becomes of a value that meets a pixel."""
+    rule = njit(inline="always")(rule)
 
+    @njit(nogil=True)
+    def put(image, matrix, value, hits):
+        nk, nj, ni = value.shape
+        for row in range(image.shape[0]):
+            for column in range(image.shape[1]):
+                k, j, i = voxel(matrix, row, column)
+                if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
+                    value[k, j, i] = rule(value[k, j, i], image[row, column])
+                    hits[k, j, i] += 1
 
-@njit(nogil=True, cache=True)
-def plain_latest(image, matrix, value, hits):
-    """Let one frame's pixels replace values [k, j, i]."""
-    nk, nj, ni = value.shape
-    for row in range(image.shape[0]):
-        for column in range(image.shape[1]):
-            k, j, i = voxel(matrix, row, column)
-            if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
-                value[k, j, i] = image[row, column]
-                hits[k, j, i] += 1
-
-
-@njit(nogil=True, cache=True)
-def plain_maximum(image, matrix, value, hits):
-    """Let one frame's pixels replace lower values [k, j, i]."""
-    nk, nj, ni = value.shape
-    for row in range(image.shape[0]):
-        for column in range(image.shape[1]):
-            k, j, i = voxel(matrix, row, column)
-            if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
-                value[k, j, i] = max(value[k, j, i], np.float32(image[row, column]))
-                hits[k, j, i] += 1
+    return put
 
 
 @njit(nogil=True, cache=True)
@@ -157,9 +138,9 @@ def yardsticks(sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, probe:
         return run
 
     return {
-        "average": each(plain_average, total, hits),
-        "latest": each(plain_latest, value, hits),
-        "maximum": each(plain_maximum, value, hits),
+        "average": each(plain(lambda sum, pixel: sum + pixel), total, hits),
+        "latest": each(plain(lambda _, pixel: pixel), value, hits),
+        "maximum": each(plain(lambda most, pixel: max(most, np.float32(pixel))), value, hits),
         "aif": beamed(plain_aif, alpha, beta, maximum, False),
         "aif-compensated": beamed(plain_aif, alpha, beta, maximum, True),
         "weighted": beamed(plain_weighted, reach, onset, floor, gain, beta, maximum),

@@ -7,7 +7,6 @@ python Testing/benchmark
 from __future__ import annotations
 
 import argparse
-import os
 import statistics
 import tempfile
 import time
@@ -33,12 +32,11 @@ from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.machine.threads import optional_module, usable_cores
 from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.frames import TrackedFrame
+from AIFReconLib.sweep.frames import TrackedFrame, TrackedSequence
 from AIFReconLib.terminal.console import ProgressBar
 from AIFReconLib.workflows.benchmark import busy_share, fan_sweep, machine, slab_of_bone
 
-from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, half_empty, labels_of_size, recorded, turned
+from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, half_empty, labels_of_size, turned
 from .table import BenchmarkResult, Timing
 
 NUMPY_SHARE = 8
@@ -55,12 +53,6 @@ FILE_FRAMES = 60
 TURNED_METHODS = ("average", "aif-compensated", "weighted")
 """Methods that are also timed on a sweep that lies across the grid, where caches serve worst."""
 
-RECORDINGS = (
-    ("SpinePhantomFreehand.igs.mha", "SpinePhantom_NN_MEAN.xml"),
-    ("BoneUltrasound_L14.igs.mha", "BoneUltrasound_L14_config.xml"),
-)
-"""Real recordings and their configurations, looked for in the data folder."""
-
 Job = tuple[Callable[[], object], Timing, int]
 """What to do, the row to fill in, and how many frames it takes."""
 
@@ -71,7 +63,6 @@ def benchmark(
     spacing: float = SPACING,
     *,
     voxels: int = VOXELS,
-    data: Path | None = None,
     progress: Progress | None = None,
 ) -> BenchmarkResult:
     """Time everything on a sweep of 640 x 480 frames, turned through 30 degrees about the probe's face.
@@ -84,8 +75,6 @@ def benchmark(
     spacing : float, mm
     voxels : int
         Size of the volumes whose holes are filled and bone mapped; 0 leaves these and files out.
-    data : Path or None
-        Folder of real recordings.
     progress : Progress or None
 
     Notes
@@ -100,8 +89,6 @@ def benchmark(
         ]
         if voxels:
             stages += [("Holes and bone", lambda: _volume_jobs(voxels)), ("Reading files", lambda: _file_jobs(Path(folder)))]
-        if data is not None:
-            stages.append(("Real recordings", lambda: _recording_jobs(data)))
         for number, (name, jobs) in enumerate(stages):
             timings += _measured(jobs(), repeats, part(progress, number / len(stages), (number + 1) / len(stages)), name)
     report(progress, 1.0, "Done")
@@ -215,7 +202,8 @@ def _volume_jobs(voxels: int) -> list[Job]:
 
 def _file_jobs(folder: Path) -> list[Job]:
     """Reading every image of a recording."""
-    sequence = recorded(fan_sweep(FILE_FRAMES, COLUMNS, ROWS))
+    images, poses = (np.stack(each) for each in zip(*(frame.placed() for frame in fan_sweep(FILE_FRAMES, COLUMNS, ROWS)), strict=True))
+    sequence = TrackedSequence.from_arrays(images, poses)
     jobs: list[Job] = []
     for name, compress in (("uncompressed", False), ("compressed", True)):
         path = folder / f"{name}.mha"
@@ -230,40 +218,16 @@ def _file_jobs(folder: Path) -> list[Job]:
     return jobs
 
 
-def _recording_jobs(data: Path) -> list[Job]:
-    """Whole reconstructions of real recordings, from their files."""
-    jobs: list[Job] = []
-    for recording, configuration in RECORDINGS:
-        if not ((data / recording).is_file() and (data / configuration).is_file()):
-            continue
-        for engine in ("numpy", "numba") if _numba_threads() else ("numpy",):
-
-            def work(recording=recording, configuration=configuration, engine=engine) -> None:
-                sequence = read_sequence(data / recording, config=data / configuration)
-                reconstruct(sequence, ReconstructionSettings(method="average", engine=engine))
-
-            jobs.append((work, Timing(f"file to volume, {recording}", engine, usable_cores(), 0.0), 0))
-    return jobs
-
-
 def main(words: list[str] | None = None) -> int:
     """Measure and print; the answer is the exit status."""
     parser = argparse.ArgumentParser(prog="python Testing/benchmark", description=__doc__.splitlines()[0])
-    parser.add_argument("--frames", type=int, default=120, metavar="N", help="frames per repeat (default: %(default)s)")
-    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the median of this many is shown (default: %(default)s)")
     parser.add_argument("--quick", action="store_true", help="only reconstruction, with a third of the frames")
-    parser.add_argument("--data", type=Path, default=os.environ.get("AIFRECON_DATA_DIR"), metavar="DIR", help="time its recordings too")
     parser.add_argument("--pages", action="store_true", help="also renew docs/measured, and the pages that show it")
     arguments = parser.parse_args(words)
-    frames, data = arguments.frames, arguments.data
-    if frames < 2 or arguments.repeats < 1:
-        parser.error("a benchmark takes at least 2 frames and 1 repeat")
     if arguments.quick and arguments.pages:
         parser.error("the pages are of whole runs: leave out --quick or --pages")
-    if arguments.quick:
-        frames, data = max(frames // 3, 2), None
     with ProgressBar() as progress:
-        result = benchmark(frames, arguments.repeats, voxels=0 if arguments.quick else VOXELS, data=data, progress=progress)
+        result = benchmark(40, voxels=0, progress=progress) if arguments.quick else benchmark(progress=progress)
     print(result.text())
     if arguments.pages:
         keep(result.in_the_pages(), "make bench", result.machine.replace("\n", "; "))

@@ -4,8 +4,7 @@
     python Testing/benchmark spine --spacing 0.2 --memory 10
 
 5,000 frames of 640 x 480 (1.5 GB, written once into the folder) in four passes over a back of 400 x 300 x 150 mm, tilted to and fro. What
-is measured is the whole program, `aifrecon reconstruct`, in a process of its own, libraries and compiled code included. The checksum tells
-whether two runs made the same voxels.
+is measured is the whole program, `aifrecon reconstruct`, in a process of its own, libraries and compiled code included.
 """
 
 from __future__ import annotations
@@ -13,7 +12,6 @@ from __future__ import annotations
 import argparse
 import os
 import re
-import struct
 import subprocess
 import sys
 import tempfile
@@ -45,8 +43,9 @@ class Speckle:
 
     dtype = np.dtype(np.uint8)
 
-    def __init__(self, frames: int):
-        self.shape = (frames, ROWS, COLUMNS)
+    shape = (FRAMES, ROWS, COLUMNS)
+
+    def __init__(self) -> None:
         self._speckle = np.random.default_rng(0).integers(1, 256, (ROWS, COLUMNS + SHIFTS), dtype=np.uint8)
 
     def __len__(self) -> int:
@@ -57,13 +56,13 @@ class Speckle:
         return np.ascontiguousarray(self._speckle[:, shift : shift + COLUMNS])
 
 
-def passes(frames: int) -> np.ndarray:
-    """image_to_reference (frames, 4, 4): image columns across the spine, rows into a hollow back; the passes reach all sides of the box."""
-    poses = np.tile(np.eye(4), (frames, 1, 1))
-    which, place = np.divmod(np.arange(frames), -(-frames // PASSES))
-    along = place / max(place.max(), 1)
+def passes() -> np.ndarray:
+    """image_to_reference (FRAMES, 4, 4): image columns across the spine, rows into a hollow back; the passes reach all sides of the box."""
+    poses = np.tile(np.eye(4), (FRAMES, 1, 1))
+    which, place = np.divmod(np.arange(FRAMES), -(-FRAMES // PASSES))
+    along = place / place.max()
     angle = -np.deg2rad(TILT_DEG) * np.cos(SWINGS * np.pi * along)
-    deep, zero = ROWS * PIXEL, np.zeros(frames)
+    deep, zero = ROWS * PIXEL, np.zeros(FRAMES)
     poses[:, :3, 0] = (0.0, PIXEL, 0.0)
     poses[:, :3, 1] = PIXEL * np.stack([np.sin(angle), zero, np.cos(angle)], axis=1)
     poses[:, :3, 2] = PIXEL * np.stack([np.cos(angle), zero, -np.sin(angle)], axis=1)
@@ -80,12 +79,11 @@ def plate() -> Volume:
     return Volume(labels, np.diag([3.0, 3.0, 3.0, 1.0]))
 
 
-def inputs(folder: Path, frames: int) -> tuple[Path, Path]:
+def inputs(folder: Path) -> tuple[Path, Path]:
     """The sweep and the labels, as files of this folder; made where they are not there."""
-    sweep, labels = folder / f"spine-{frames}.igs.mha", folder / "spine-labels.nrrd"
-    if not sweep.is_file():
-        write_sequence(TrackedSequence.from_arrays(Speckle(frames), passes(frames)), sweep, compress=False)
+    sweep, labels = folder / "spine.igs.mha", folder / "spine-labels.nrrd"
     if not labels.is_file():
+        write_sequence(TrackedSequence.from_arrays(Speckle(), passes()), sweep, compress=False)
         plate().write(labels)
     return sweep, labels
 
@@ -103,16 +101,9 @@ def taken_by(command: list[str]) -> dict[str, float]:
     return {"seconds": seconds, "processor_seconds": usage.ru_utime + usage.ru_stime, "peak_gb": usage.ru_maxrss * 1024 / 1e9}
 
 
-def checksum(path: Path) -> int:
-    """CRC-32 of the voxels of a compressed .nrrd, which ends with it."""
-    with path.open("rb") as file:
-        file.seek(-8, os.SEEK_END)
-        return int(struct.unpack("<I", file.read(4))[0])
-
-
-def measure(folder: Path, frames: int, spacing: float, method: str, memory: str) -> dict:
+def measure(folder: Path, spacing: float, method: str, memory: str) -> dict:
     """Reconstruct with so much memory (GB, or `UNLIMITED`), and tell what it took."""
-    sweep, labels = inputs(folder, frames)
+    sweep, labels = inputs(folder)
     output, log = folder / "spine.nrrd", folder / "spine.log"
     for path in (output, log):
         path.unlink(missing_ok=True)
@@ -120,18 +111,10 @@ def measure(folder: Path, frames: int, spacing: float, method: str, memory: str)
     command += ["--probe", "linear", "--output", str(output), "--log", str(log)]
     command += [] if memory == UNLIMITED else ["--memory", memory]
     command += ["--bone-labels", str(labels), "--bone-sigma-mm", "5"] if method in BONE_METHODS else []
-    # Between a few of the frames, gaps are many times as large as between all
-    command += [] if frames >= FRAMES else ["--hole-limit", str(2 * spacing)]
     found = taken_by(command)
     parts = re.search(r"worked in (\d+) parts", log.read_text("utf-8"))
-    what = {"method": method, "spacing_mm": spacing, "frames": frames, "memory": memory, "parts": int(parts[1]) if parts else 1}
-    return {**what, **found, "checksum": checksum(output)}
-
-
-def _memory(text: str) -> str:
-    if text != UNLIMITED and not float(text) > 0:
-        raise ValueError
-    return text
+    what = {"method": method, "spacing_mm": spacing, "memory": memory, "parts": int(parts[1]) if parts else 1}
+    return {**what, **found}
 
 
 def main(words: list[str] | None = None) -> None:
@@ -139,15 +122,14 @@ def main(words: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(
         prog="python Testing/benchmark spine", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help="default: %(default)s")
     parser.add_argument("--spacing", type=float, default=0.3, metavar="MM", help="default: %(default)g")
     parser.add_argument("--method", choices=METHODS, default="average", help="default: %(default)s")
     meaning = f"that each run in turn is given; {UNLIMITED}: three quarters of what is free (default: {UNLIMITED} 6)"
-    parser.add_argument("--memory", type=_memory, nargs="+", default=[UNLIMITED, "6"], metavar="GB", help=meaning)
+    parser.add_argument("--memory", nargs="+", default=[UNLIMITED, "6"], metavar="GB", help=meaning)
     arguments = parser.parse_args(words)
     with tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
         for number, memory in enumerate(arguments.memory):
-            found = measure(Path(folder), arguments.frames, arguments.spacing, arguments.method, memory)
+            found = measure(Path(folder), arguments.spacing, arguments.method, memory)
             if number == 0:
                 print("  ".join(found))
             print("  ".join(f"{value:.2f}" if isinstance(value, float) else str(value) for value in found.values()), flush=True)

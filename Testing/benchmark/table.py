@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from measured import table
+
 from AIFReconLib.workflows.benchmark import busy_warning
 
 
@@ -32,41 +34,32 @@ class BenchmarkResult:
     busy: float
     timings: tuple[Timing, ...]
 
-    def heading(self) -> str:
-        """What was measured, and where."""
-        text = (
-            f"{self.machine}\nAIFRecon {self.version}; {self.frames} frames of 640 x 480, 0.2 mm pixels, 30 degree fan; "
-            f"medians of {self.repeats}"
-        )
-        return "\n".join(filter(None, (text, busy_warning(self.busy))))
-
     def in_the_pages(self) -> dict[str, str]:
         """Tables by the names of the files in docs/measured: methods, and the rest."""
         methods: dict[str, dict[tuple[str, bool], Timing]] = {}
+        steps = []
         for timing in self.timings:
             if timing.ns_per_pixel is not None:
                 methods.setdefault(timing.what, {})[timing.engine, timing.threads > 1] = timing
-        lines = [
-            "| | numpy, frames/s | numba, 1 thread | numba, all threads | ns a pixel | x plain loop | bytes a voxel |",
-            "|---|---|---|---|---|---|---|",
-        ]
+            else:
+                speed = _cell(timing.frames_per_second, ".0f")
+                steps.append([timing.what, timing.engine, f"{timing.threads}", f"{timing.seconds:.2f}", speed])
+        lines = []
         for what, timed in methods.items():
             best = timed.get(("numba", True)) or timed.get(("numba", False)) or timed["numpy", False]
             speeds = (timed.get(each) for each in (("numpy", False), ("numba", False), ("numba", True)))
-            cells = [_shown(each.frames_per_second if each else None, ".0f") for each in speeds]
-            cells += [_shown(best.ns_per_pixel, ".1f"), _shown(best.times_yardstick, ".1f"), _shown(best.bytes_per_voxel, "d")]
-            lines.append(f"| {what} | " + " | ".join(cells) + " |")
-        steps = ["| | engine | threads | seconds | frames/s |", "|---|---|---|---|---|"]
-        for timing in self.timings:
-            if timing.ns_per_pixel is None:
-                speed = timing.frames_per_second if timing.seconds and timing.what.startswith("reading") else None
-                steps.append(f"| {timing.what} | {timing.engine} | {timing.threads} | {timing.seconds:.2f} | {_shown(speed, '.0f')} |")
-        return {"speed-methods": "\n".join(lines), "speed-steps": "\n".join(steps)}
+            cells = [_cell(each.frames_per_second if each else None, ".0f") for each in speeds]
+            cells += [_cell(best.ns_per_pixel, ".1f"), _cell(best.times_yardstick, ".1f"), _cell(best.bytes_per_voxel, "d")]
+            lines.append([what, *cells])
+        head = ("", "numpy, frames/s", "numba, 1 thread", "numba, all threads", "ns a pixel", "x plain loop", "bytes a voxel")
+        return {"speed-methods": table(head, lines), "speed-steps": table(("", "engine", "threads", "seconds", "frames/s"), steps)}
 
     def text(self) -> str:
         """What was measured, and where."""
-        return "\n\n".join([self.heading(), *self.in_the_pages().values()])
+        what = f"{self.frames} frames of 640 x 480, 0.2 mm pixels, 30 degree fan; medians of {self.repeats}"
+        heading = filter(None, (self.machine, f"AIFRecon {self.version}; {what}", busy_warning(self.busy)))
+        return "\n\n".join(["\n".join(heading), *self.in_the_pages().values()])
 
 
-def _shown(value: float | None, form: str) -> str:
+def _cell(value: float | None, form: str) -> str:
     return "" if value is None else format(value, form)

@@ -27,12 +27,12 @@ from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
 from AIFReconLib.effective_settings import Imaging, imaging_fields
 from AIFReconLib.evaluation.figures import Panel, draw_panels, own_looks, save_figure
 from AIFReconLib.evaluation.lines import values_at
-from AIFReconLib.geometry.transforms import pixel_spacing
+from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
+from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.sweep.poses import sweep_poses
@@ -87,19 +87,13 @@ def study(name: str) -> None:
     imaging = Imaging(detected.region, detected.probe)
     looked = imaging_fields(detected.region, detected.probe)
     bone = bone_from_sweep(sequence, Recipe(**looked))
-    settings = [ReconstructionSettings(method=m, spacing=spacing, hole_limit=1.2, bone_direction="surface") for m in COMPARED_METHODS]
-    results = {
-        method: reconstruct(sequence, replace(s, **looked), bone if method_named(method).needs_bone else None)
-        for method, s in zip(COMPARED_METHODS, settings, strict=True)
-    }
-
-    # Without the brightening of bone: what remains is the weighting
-    plain = {
-        f"{s.method}, plain": reconstruct(sequence, replace(s, alpha=0.0, bone_gain=0.0, **looked), bone)
-        for s in settings
-        if method_named(s.method or "").needs_bone
-    }
-
+    results, plain = {}, {}
+    for method in COMPARED_METHODS:
+        recipe = Recipe(method=method, spacing=spacing, hole_limit=1.2, bone_direction="surface", **looked)
+        told = bone if method_named(method).needs_bone else None
+        results[method] = reconstruct(sequence, recipe, told)
+        if told:  # without the brightening of bone: what remains is the weighting
+            plain[f"{method}, plain"] = reconstruct(sequence, replace(recipe, alpha=0.0, bone_gain=0.0), told)
     middle = int(poses.usable[len(poses.usable) // 2])
     pose = poses.image_to_reference[middle]
     echoes = BoneEchoFinder(sequence.frame_size, pixel, imaging).find(sequence.images[middle])
@@ -168,8 +162,7 @@ def beside_a_ct() -> None:
 
 def grid_points(grid) -> np.ndarray:
     """Where the voxels are, (k, j, i, 3)."""
-    ijk = np.stack(np.meshgrid(*(np.arange(n) for n in grid.size), indexing="ij"), axis=-1).transpose(2, 1, 0, 3)
-    return ijk @ grid.ijk_to_reference[:3, :3].T + grid.ijk_to_reference[:3, 3]
+    return transform_points(grid.ijk_to_reference, np.moveaxis(np.indices(grid.shape)[::-1], 0, -1))
 
 
 if __name__ == "__main__":

@@ -17,9 +17,6 @@ from pathlib import Path
 
 import numpy as np
 
-from AIFReconLib.effective_settings import imaging_fields
-from AIFReconLib.recipe.recipe import Recipe
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
@@ -32,11 +29,11 @@ from AIFReconLib.effective_settings import Imaging, resolve_imaging
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.label_files import read_labels
-from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.sweep.edits import select_frames
@@ -54,13 +51,12 @@ CT, RIGHT, LEAST = "CT", "network that is right", 0.9
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A sweep, where its bone truly is, and how finely it is reconstructed (mm)."""
+    """A sweep, where its bone truly is, and how it is read and reconstructed."""
 
     name: str
     sequence: TrackedSequence
     labels: Volume
-    spacing: float
-    probe: ProbeGeometry | None = None
+    recipe: Recipe
 
     @property
     def poses(self) -> SweepPoses:
@@ -70,21 +66,23 @@ class Case:
     @property
     def imaging(self) -> Imaging:
         """How its frames are read."""
-        return resolve_imaging(self.sequence, self.poses, True, Recipe(**imaging_fields(probe=self.probe)))
+        return resolve_imaging(self.sequence, self.poses, True, self.recipe)
 
 
-def simulated(folder: Path) -> Case:
-    """The patient of the demo."""
-    files = write_simulated_patient(folder, 0, "multi-angle", FRAMES)
+def simulated(folder: Path, seed: int = 0, frames: int = FRAMES) -> Case:
+    """A simulated patient, the first that of the demo."""
+    files = write_simulated_patient(folder, seed, "multi-angle", frames)
     labels = read_labels(files.labels).placed_by(read_transform(files.ct_to_reference))
-    return Case(f"simulated patient 0, {FRAMES} frames", read_sequence(files.sequence, config=files.configuration), labels, 1.0)
+    sequence = read_sequence(files.sequence, config=files.configuration)
+    return Case(f"simulated patient {seed}, {frames} frames", sequence, labels, Recipe(spacing=1.0))
 
 
-def real(folder: Path) -> Case:
+def real(folder: Path, every: int = EVERY) -> Case:
     """A cadaver's fibula."""
     whole, labels = read_sequence(folder / "fibula-distal.igs.mha"), read_labels(folder / "fibula-labels.nrrd")
-    name = f"real fibula, every {EVERY}th of {len(whole)} frames"
-    return Case(name, select_frames(whole, every=EVERY), labels, 0.5, ProbeGeometry(LINEAR))
+    return Case(
+        f"real fibula, {len(whole)} frames by {every}", select_frames(whole, every=every), labels, Recipe(probe=LINEAR, spacing=0.5)
+    )
 
 
 def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], BoneMap | None]]]:
@@ -95,24 +93,26 @@ def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], 
         return lambda: bone_from_frames(case.sequence, estimator, poses, imaging)
 
     yield AVERAGE.name, lambda: None
-    yield CT, lambda: LabeledBone(case.labels, None, case.sequence, Recipe(**imaging_fields(probe=case.probe))).map(WEIGHTED.name)
+    yield CT, lambda: LabeledBone(case.labels, None, case.sequence, case.recipe).map(WEIGHTED.name)
     yield "CT, map of 4 mm", lambda: BoneMap.from_labels(case.labels, sigma_mm=4.0)
     yield RIGHT, seen(TrueBone(case.labels, imaging))
     if model is not None:
-        yield f"{model.name}", seen(OnnxModel(model))
-    yield "echoes", lambda: bone_from_sweep(case.sequence, Recipe(**imaging_fields(probe=case.probe)))
+        yield model.name, seen(OnnxModel(model))
+    yield "echoes", lambda: bone_from_sweep(case.sequence, case.recipe)
 
 
 def compare(case: Case, model: Path | None) -> bool:
     """Print a line for each source; whether a network that is right gives as much of what the CT gives as it must."""
-    truth = bone_truth(case.labels, SweepBeams.of_sequence(case.sequence, Recipe(**imaging_fields(probe=case.probe))))
-    print(f"| **{case.name}**, {case.spacing:g} mm | CNR | oblique CNR | coverage | oblique coverage |\n|---|---|---|---|---|", flush=True)
+    truth = bone_truth(case.labels, SweepBeams.of_sequence(case.sequence, case.recipe))
+    print(
+        f"| **{case.name}**, {case.recipe.spacing:g} mm | CNR | oblique CNR | coverage | oblique coverage |\n|---|---|---|---|---|",
+        flush=True,
+    )
     found = {}
     for name, bone_of in sources(case, model):
         bone = bone_of()
         method = AVERAGE.name if bone is None else WEIGHTED.name
-        settings = ReconstructionSettings(method=method, spacing=case.spacing, hole_limit=HOLE_LIMIT)
-        result = reconstruct(case.sequence, replace(settings, **imaging_fields(probe=case.probe)), bone, beside=())
+        result = reconstruct(case.sequence, replace(case.recipe, method=method, hole_limit=HOLE_LIMIT), bone, beside=())
         met = evaluate(result.intensity, truth, result.mask)
         numbers = f"{met.bone.cnr:.2f} | {met.oblique.cnr:.2f} | {met.bone.coverage:.1%} | {met.oblique.coverage:.1%}"
         print(f"| {name} | {numbers} |", flush=True)

@@ -23,16 +23,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import BoneEstimator, EchoEstimator
-from AIFReconLib.effective_settings import Imaging, resolve_imaging
-from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.io.transform.files import read_transform
-from AIFReconLib.io.volume.label_files import read_labels
-from AIFReconLib.sweep.frames import TrackedSequence
-from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
-from AIFReconLib.workflows.simulate import write_simulated_patient
+from AIFReconLib.sweep.poses import tracked_frames
+from models.compare import Case, real, simulated
 from models.truth import TrueBone, worth_of
 
 SIDE, CROP = 256, 128
@@ -48,7 +43,8 @@ SCALES = 0.7, 2.8
 RATE = 4e-3
 """The largest step of learning."""
 
-Patient = tuple[TrackedSequence, Volume, SweepPoses, Imaging]
+FRAMES, STEPS, BATCH = 120, 3000, 16
+"""Of each simulated patient, the most steps of learning, and pieces in each."""
 
 
 class TinyUNet(nn.Module):
@@ -80,23 +76,10 @@ def block(before: int, after: int, stride: int = 1) -> nn.Sequential:
     )
 
 
-def simulated(seed: int, frames: int, folder: Path) -> Patient:
-    """A simulated patient; made once."""
-    place = folder / f"patient-{seed}-{frames}"
-    if not (place / "done").exists():
-        write_simulated_patient(place, seed, "multi-angle", frames)
-        (place / "done").touch()
-    sequence = read_sequence(next(place.glob("*.igs.mha")), config=next(place.glob("*.xml")))
-    labels = read_labels(next(place.glob("*segmentation*.nrrd"))).placed_by(read_transform(next(place.glob("*.tfm"))))
-    poses = sweep_poses(sequence)
-    return sequence, labels, poses, resolve_imaging(sequence, poses, True)
-
-
-def pictures(patient: Patient) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def pictures(patient: Case) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Frames and what should be said of them, as they are, and straightened out along their scan lines as a linear probe's are."""
-    sequence, labels, poses, imaging = patient
-    truth = TrueBone(labels, imaging)
-    for frame in tracked_frames(sequence, poses, poses.usable):
+    truth, poses = TrueBone(patient.labels, patient.imaging), patient.poses
+    for frame in tracked_frames(patient.sequence, poses, poses.usable):
         lines, image = truth.reader(frame), frame.placed()[0]
         yield image.astype(np.float32) / 255, truth.estimate(frame).probability
         # Square pixels, which every second line and sample of the reading are nearly
@@ -159,21 +142,20 @@ def _resized(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return functional.interpolate(tensor, size=size, mode="bilinear", align_corners=False, antialias=True)[0, 0].numpy()
 
 
-def trained(patients: list[Patient], steps: int, batch: int, minutes: float) -> TinyUNet:
-    """The network after so many steps, or minutes."""
+def trained(patients: list[Case], minutes: float) -> TinyUNet:
+    """The network after `STEPS`, or so many minutes."""
     torch.manual_seed(0)
     rng, network = np.random.default_rng(0), TinyUNet()
     print(f"{sum(parameter.numel() for parameter in network.parameters()):,} weights", flush=True)
     every = [pair for patient in patients for pair in pictures(patient)]
     print(f"{len(every)} pictures", flush=True)
     optimizer = torch.optim.AdamW(network.parameters(), RATE, weight_decay=1e-4)
-    started, lost, done = time.monotonic(), 0.0, 0.0
-    step = 0
+    started, done, step = time.monotonic(), 0.0, 0
     while done < 1:
         # Up over the first twentieth, down to nothing by the end, whether steps or minutes are what there is
         for group in optimizer.param_groups:
             group["lr"] = RATE * min(20 * done + 0.05, 0.5 * (1 + np.cos(np.pi * done)))
-        images, said = zip(*(piece(*every[int(rng.integers(len(every)))], rng) for _ in range(batch)))
+        images, said = zip(*(piece(*every[int(rng.integers(len(every)))], rng) for _ in range(BATCH)))
         wanted = torch.from_numpy(np.stack(said))[:, None]
         answer = network(torch.from_numpy(np.stack(images))[:, None])
         probability = torch.sigmoid(answer)
@@ -182,11 +164,10 @@ def trained(patients: list[Patient], steps: int, batch: int, minutes: float) -> 
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
-        lost = 0.98 * lost + 0.02 * float(loss) if step else float(loss)
-        if step % 50 == 49:
-            print(f"step {step + 1}: loss {lost:.3f}, {time.monotonic() - started:.0f} s", flush=True)
         step += 1
-        done = max(step / steps, (time.monotonic() - started) / (60 * minutes))
+        done = max(step / STEPS, (time.monotonic() - started) / (60 * minutes))
+        if step % 50 == 0:
+            print(f"step {step}: loss {float(loss):.3f}, {done:.0%}", flush=True)
     return network.eval()
 
 
@@ -199,17 +180,13 @@ def export(network: TinyUNet, path: Path) -> None:
     path.with_suffix(".json").write_text(json.dumps(description) + "\n")
 
 
-def report(what: str, patient: Patient, model: Path, every: int) -> None:
+def report(case: Case, imaging: Imaging, model: Path, every: int) -> None:
     """A line for each estimator."""
-    sequence, labels, poses, imaging = patient
-    truth = TrueBone(labels, imaging)
     estimators: dict[str, tuple[BoneEstimator, float]] = {"network": (OnnxModel(model), 0.5), "classical": (EchoEstimator(imaging), 0.01)}
     for name, (estimator, sure) in estimators.items():
-        worth = worth_of(estimator, truth, sequence, poses, every, sure)
-        print(
-            f"{what}, {name}: precision {worth.precision:.3f}, recall {worth.recall:.3f}, F1 {worth.f1:.3f}, {worth.median_mm:.2f} mm",
-            flush=True,
-        )
+        precision, recall, off = worth_of(estimator, TrueBone(case.labels, imaging), case.sequence, case.poses, every, sure)
+        f1 = 2 * precision * recall / max(precision + recall, 1e-9)
+        print(f"{case.name}, {name}: precision {precision:.3f}, recall {recall:.3f}, F1 {f1:.3f}, {off:.2f} mm", flush=True)
 
 
 def main() -> None:
@@ -217,26 +194,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, metavar="FILE.onnx")
     parser.add_argument("--real", type=Path, metavar="FOLDER", help="holds fibula-distal.igs.mha and fibula-labels.nrrd")
-    parser.add_argument("--patients", type=Path, metavar="FOLDER", help="keeps simulated patients (default: a temporary folder)")
-    parser.add_argument("--frames", type=int, default=120, help="of each simulated patient (default: %(default)s)")
-    parser.add_argument("--steps", type=int, default=3000)
-    parser.add_argument("--batch", type=int, default=16)
     parser.add_argument("--minutes", type=float, default=600.0, help="stop training after so many")
     arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = arguments.patients or Path(temporary)
-        network = trained(
-            [simulated(seed, arguments.frames, folder) for seed in TRAINED], arguments.steps, arguments.batch, arguments.minutes
-        )
-        export(network, arguments.output)
-        print(f"{arguments.output}: {arguments.output.stat().st_size:,} bytes", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        patients = {seed: simulated(Path(folder, str(seed)), seed, FRAMES) for seed in (*TRAINED, *HELD_OUT)}
+        export(trained([patients[seed] for seed in TRAINED], arguments.minutes), arguments.output)
         for seed in HELD_OUT:
-            report(f"held-out patient {seed}", simulated(seed, arguments.frames, folder), arguments.output, 4)
+            report(patients[seed], patients[seed].imaging, arguments.output, 4)
     if arguments.real:
-        sequence = read_sequence(arguments.real / "fibula-distal.igs.mha")
-        labels = read_labels(arguments.real / "fibula-labels.nrrd")
-        imaging = Imaging(ImageRegion(), ProbeGeometry(LINEAR))
-        report("real fibula", (sequence, labels, sweep_poses(sequence), imaging), arguments.output, 8)
+        report(real(arguments.real, 1), Imaging(ImageRegion(), ProbeGeometry(LINEAR)), arguments.output, 8)
 
 
 if __name__ == "__main__":

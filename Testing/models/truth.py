@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
@@ -23,9 +21,6 @@ NEAR = 1.5
 
 AROUND = 8.0
 """mm from the labeled bone within which answers are judged: the next bone may have no labels."""
-
-SURE = 0.5
-"""Probability from which a network says bone."""
 
 
 class TrueBone:
@@ -86,25 +81,6 @@ class TrueBone:
         return ()
 
 
-@dataclass(frozen=True)
-class Worth:
-    """How right an estimator is, scan line by scan line.
-
-    Parameters
-    ----------
-    precision, recall, f1 : float
-        Of lines where bone is said, how many say it within `NEAR` of where it begins; of lines with bone, how many are told so; and their
-        harmonic mean.
-    median_mm : float
-        Distance of right answers from where bone begins.
-    """
-
-    precision: float
-    recall: float
-    f1: float
-    median_mm: float
-
-
 def drawn(echoes: BoneEchoes, lines: ScanLineReader) -> np.ndarray:
     """The score of each echo at the sample nearest to it, (lines, samples); 0 at all others."""
     probability = np.zeros(lines.columns.size, np.float32)
@@ -114,11 +90,19 @@ def drawn(echoes: BoneEchoes, lines: ScanLineReader) -> np.ndarray:
 
 
 def worth_of(
-    estimator: BoneEstimator, truth: TrueBone, sequence: TrackedSequence, poses: SweepPoses, every: int = 1, sure: float = SURE
-) -> Worth:
-    """Ask the estimator about every so many frames; per line its surest sample within `AROUND` of the bone counts, from `sure` on."""
-    said = right = there = 0
-    errors = []
+    estimator: BoneEstimator, truth: TrueBone, sequence: TrackedSequence, poses: SweepPoses, every: int, sure: float
+) -> tuple[float, float, float]:
+    """Ask the estimator about every so many frames; per line its surest sample within `AROUND` of the bone counts, from `sure` on.
+
+    Returns
+    -------
+    precision, recall : float
+        Of lines where bone is said, how many say it within `NEAR` of where it begins; of lines with bone, how many are told so.
+    median_mm : float
+        Distance of right answers from where bone begins.
+    """
+    said = there = 0
+    errors = [np.empty(0)]
     for frame in tracked_frames(sequence, poses, poses.usable[::every]):
         lines, (distance, first) = truth.reader(frame), truth.along(frame)
         told = estimator.estimate(frame)
@@ -138,9 +122,7 @@ def worth_of(
         place = (top * np.arange(top.shape[1])).sum(axis=1) / np.maximum(top.sum(axis=1), 1)
         says, off = best >= sure, np.abs(place - first) * lines.step
         hit = says & (first >= 0) & (off <= NEAR)
-        said, right, there = said + int(says.sum()), right + int(hit.sum()), there + int((first >= 0).sum())
+        said, there = said + int(says.sum()), there + int((first >= 0).sum())
         errors.append(off[hit])
-    precision, recall = right / max(said, 1), right / max(there, 1)
-    every_error = np.concatenate(errors) if errors else np.empty(0)
-    f1 = 2 * precision * recall / max(precision + recall, 1e-9)
-    return Worth(precision, recall, f1, float(np.median(every_error)) if every_error.size else float("nan"))
+    right = np.concatenate(errors)
+    return right.size / max(said, 1), right.size / max(there, 1), float(np.median(right)) if right.size else np.nan

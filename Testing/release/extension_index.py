@@ -90,7 +90,7 @@ def rules(extension: dict[str, str], repository: Path = REPOSITORY) -> Iterator[
     yield Rule("there is a screenshot", all(path.is_file() for path in pictures), f"{len(pictures)}")
     found = [one for one in LICENSES if (repository / one).is_file()]
     yield Rule("the license lies at the top", bool(found), ", ".join(found))
-    yield _small_enough(_files(repository))
+    yield _small_enough(repository)
     yield Rule("the address is one of https", parts.scheme == "https" if known else None, homepage)
     repository_name = parts.path.strip("/").split("/")[-1]
     yield Rule("the repository's name begins with Slicer", repository_name.startswith("Slicer") if known else None, repository_name)
@@ -101,21 +101,15 @@ def rules(extension: dict[str, str], repository: Path = REPOSITORY) -> Iterator[
     )
 
 
-def _small_enough(files: list[Path] | None) -> Rule:
+def _small_enough(repository: Path) -> Rule:
     asks = f"the repository is at most {LARGEST_MB} MB"
-    if files is None:
-        return Rule(asks, None, "only git knows which files belong to it, and it is not here")
-    size = sum(path.stat().st_size for path in files) / 2**20
-    return Rule(asks, size <= LARGEST_MB, f"{size:.0f} MB, without its history")
-
-
-def _files(repository: Path) -> list[Path] | None:
-    """Those that belong to it; None where git is not installed, or where this is no clone."""
     try:
         listed = subprocess.run(["git", "ls-files", "-z"], cwd=repository, capture_output=True, check=True)
     except (OSError, subprocess.CalledProcessError):
-        return None
-    return [path for name in listed.stdout.decode().split("\0") if name and (path := repository / name).is_file()]
+        return Rule(asks, None, "only git knows which files belong to it, and it is not here")
+    files = (repository / name for name in listed.stdout.decode().split("\0") if name)
+    size = sum(path.stat().st_size for path in files if path.is_file()) / 2**20
+    return Rule(asks, size <= LARGEST_MB, f"{size:.0f} MB, without its history")
 
 
 def published(cmake: str, homepage: str) -> str:

@@ -10,7 +10,6 @@ asks for comes from where pip finds it.
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -40,22 +39,18 @@ def environment(folder: Path, wheel: Path) -> Path:
 
 def run(programs: Path, folder: Path) -> int:
     """How many Python blocks of the README ran in the environment, in a folder that holds their files."""
-    python = programs / "python"
-    where = subprocess.run(
-        [python, "-c", "import AIFReconLib; print(AIFReconLib.__file__)"],
-        cwd=folder,
-        env=SURROUNDINGS,
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    if Path(where.stdout.strip()).is_relative_to(REPOSITORY):
-        raise RuntimeError(f"this is not the wheel's library: {where.stdout}")
-    for command in (["--version"], ["info", "sweep.igs.mha", "--config", "PlusDeviceSet.xml"]):
-        subprocess.run([programs / "aifrecon", *command], cwd=folder, env=SURROUNDINGS, check=True)
+
+    def call(*command: str | Path, stdout: int | None = None) -> str:
+        return subprocess.run(command, cwd=folder, env=SURROUNDINGS, check=True, text=True, stdout=stdout).stdout
+
+    where = call(programs / "python", "-c", "import AIFReconLib; print(AIFReconLib.__file__)", stdout=subprocess.PIPE).strip()
+    if Path(where).is_relative_to(REPOSITORY):
+        raise RuntimeError(f"this is not the wheel's library: {where}")
+    call(programs / "aifrecon", "--version")
+    call(programs / "aifrecon", "info", "sweep.igs.mha", "--config", "PlusDeviceSet.xml")
     texts = [block.text for block in blocks(REPOSITORY / "README.md") if block.language == "python"]
     for text in texts:
-        subprocess.run([python, "-c", text], cwd=folder, env=SURROUNDINGS, check=True)
+        call(programs / "python", "-c", text)
     return len(texts)
 
 
@@ -63,11 +58,9 @@ def main(wheel: Path) -> None:
     """Try the wheel, and say so."""
     with tempfile.TemporaryDirectory() as folder:
         programs = environment(Path(folder, "environment"), wheel)
-        made = Path(folder, "made")
-        made.mkdir()
-        workplace = make_workplace(made)
         here = Path(folder, "here")
-        shutil.copytree(workplace, here)
+        here.mkdir()
+        make_workplace(here)
         print(f"{wheel.name}: installed, and {run(programs, here)} Python blocks of README.md ran")
 
 

@@ -8,10 +8,12 @@ writes calibration.md and three more tables. About ten minutes per patient and c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
+from measured import shown, table
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.calibration.calibration import Calibration, calibrate
@@ -21,7 +23,7 @@ from AIFReconLib.calibration.echoes import Correction, ImagedEchoes
 from AIFReconLib.calibration.solve import Solved
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transform_graph import TransformName
-from AIFReconLib.geometry.transforms import invert, transform_points
+from AIFReconLib.geometry.transforms import affine, invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import (
@@ -35,21 +37,20 @@ from AIFReconLib.simulation.scan import (
     simulate_sweep,
 )
 from AIFReconLib.sweep.edits import inverted
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 from .calibration_halves import halves_on_bone
 from .command import Study
 from .lumbar_shapes import lumbar_shapes
-from .method_cases import EFFECTS, configured
-from .patients import table_line
+from .method_cases import EFFECTS, configured, turned_marker
 from .real_bone_cases import RealBone
 
 FRAMES, PASSES = 270, 9
 CHOSEN_PASSES = {"three angles": (3, 4, 7), "five angles": (1, 3, 4, 5, 7), "nine angles": tuple(range(PASSES))}
 """Of three tilts in the image and three across it; neighbors run to and fro."""
 
-CALIBRATE, WITHOUT_CT = "calibrate", "calibrate without a CT"
+CALIBRATE, WITHOUT_CT, CHECKS = "calibrate", "calibrate without a CT", ("check", "check without")
 
 ONE_WAY, ONE_ANGLE, RIGHT = "nine angles, one direction", "one angle", "a right calibration"
 DRAWN = 3
@@ -73,7 +74,7 @@ class Row:
     """One calibration or check, and what came of it."""
 
     patient: int
-    kind: str  #: `CALIBRATE`, `WITHOUT_CT`, "check" with the CT, "check without"
+    kind: str  #: `CALIBRATE`, `WITHOUT_CT`, or one of `CHECKS`: with the CT, and without
     case: str
     accepted: bool  #: A calibration is given; of a check: it told something wrong
     right: bool  #: Within `WITHIN_MM`; of a check: it told what is wrong, or, of a right one, nothing
@@ -132,8 +133,7 @@ class Patient:
     def wrong_calibration(self, rng: np.random.Generator, scale: tuple[float, float] = (1.0, 1.0)) -> np.ndarray:
         """Shifted and turned at the middle of the image, its pixels of another size."""
         middle = np.array([(self.probe.columns - 1) / 2, self.probe.rows / 2, 0.0])
-        sized = np.diag([*scale, 1.0, 1.0])
-        sized[:3, 3] = middle - sized[:3, :3] @ middle
+        sized = affine(np.diag([*scale, 1.0]), middle * (1.0 - np.array([*scale, 1.0])))
         about = transform_points(self.probe.image_to_transducer, middle[None])[0]
         moved = random_rigid(SHIFT_MM * rng.uniform(1 / 3, 1), TURN_DEG * rng.uniform(1 / 3, 1), rng, about)
         return self.probe.transducer_to_probe @ moved @ self.probe.image_to_transducer @ sized
@@ -148,24 +148,23 @@ def patient_rows(seed: int) -> list[Row]:
             scale = tuple(1.0 + SCALE * rng.uniform(-1, 1, 2))
             late = TrackingErrors(time_offset=DELAY * rng.uniform(-1, 1))
             case = patient.case(passes, late, patient.wrong_calibration(rng, scale))
-            rows += [_calibrated(patient, name, case), _crossed(patient, name, case)]
-        rows += [
-            _calibrated(patient, f"{RIGHT}, {name}", patient.case(passes)),
-            _crossed(patient, f"{RIGHT}, {name}", patient.case(passes)),
-        ]
+            rows += [asked(patient, name, case) for asked in (_calibrated, _crossed)]
+        rows += [asked(patient, f"{RIGHT}, {name}", patient.case(passes)) for asked in (_calibrated, _crossed)]
     every = CHOSEN_PASSES["nine angles"]
     wrong = patient.wrong_calibration(rng)
-    rows.append(_calibrated(patient, ONE_WAY, patient.case(every[::2], TrackingErrors(time_offset=0.04), wrong)))
-    rows.append(_calibrated(patient, ONE_ANGLE, patient.case(every[4:5], None, wrong)))
-    rows.append(_calibrated(patient, "the tracker drifts by 2 mm", patient.case(every, TrackingErrors(drift=2.0))))
+    others = {
+        ONE_WAY: patient.case(every[::2], TrackingErrors(time_offset=0.04), wrong),
+        ONE_ANGLE: patient.case(every[4:5], None, wrong),
+        "the tracker drifts by 2 mm": patient.case(every, TrackingErrors(drift=2.0)),
+    }
+    rows += [_calibrated(patient, name, case) for name, case in others.items()]
     fast = Patient.scanned(seed, FAST_TISSUE)
     tissue = fast.case(every)
     image_to_probe = patient.probe.image_to_probe @ _about_face(FAST_TISSUE, FAST_TISSUE, patient.probe)
     true = configured(tissue.true, patient.probe, image_to_probe)
     rows.append(_calibrated(fast, f"tissue {FAST_TISSUE - 1:.0%} faster", replace(tissue, true=true)))
     for name, (case, told) in mistakes(patient, rng).items():
-        for kind, labels in (("check", patient.labels), ("check without", None)):
-            rows.append(_checked(patient, kind, name, case, labels, told))
+        rows += [_checked(patient, kind, name, case, told) for kind in CHECKS]
     return rows
 
 
@@ -176,7 +175,7 @@ def mistakes(patient: Patient, rng: np.random.Generator) -> dict[str, tuple[Case
 
     def turned(axis: int) -> Case:
         turn = np.diag([1.0 if k == axis else -1.0 for k in range(3)] + [1.0])
-        return replace(right, sequence=replace(right.sequence, records=[*_turned(right.sequence, turn)]))
+        return replace(right, sequence=turned_marker(right.sequence, [turn] * len(right.sequence)))
 
     def sized(across: float, along: float) -> Case:
         return patient.case(every, image_to_probe=calibration @ _about_face(across, along, probe))
@@ -200,18 +199,11 @@ def mistakes(patient: Patient, rng: np.random.Generator) -> dict[str, tuple[Case
     }
 
 
-def _turned(sequence: TrackedSequence, turn: np.ndarray) -> Iterator[FrameRecord]:
-    for record in sequence.records:
-        sample = record.transforms[PROBE_TO_TRACKER]
-        yield replace(record, transforms={**record.transforms, PROBE_TO_TRACKER: replace(sample, matrix=sample.matrix @ turn)})
-
-
 def _about_face(across: float, along: float, probe: PhasedArray) -> np.ndarray:
     """Pixels of other sizes, (4, 4): the middle of the probe's face stays."""
     face = invert(probe.image_to_transducer)[:3, 3]
-    sized = np.diag([across, along, 1.0, 1.0])
-    sized[:3, 3] = face - sized[:3, :3] @ face
-    return sized
+    sized = np.array([across, along, 1.0])
+    return affine(np.diag(sized), face - sized * face)
 
 
 def _calibrated(patient: Patient, name: str, case: Case) -> Row:
@@ -281,9 +273,9 @@ def _shapes_apart(here: np.ndarray, there: np.ndarray) -> np.ndarray:
     return np.linalg.norm(Rotation.align_vectors(there, here)[0].apply(here) - there, axis=1)
 
 
-def _checked(patient: Patient, kind: str, name: str, case: Case, labels: Volume | None, told: str) -> Row:
+def _checked(patient: Patient, kind: str, name: str, case: Case, told: str) -> Row:
     try:
-        found = checked(case.sequence, labels)
+        found = checked(case.sequence, patient.labels if kind == CHECKS[0] else None)
     except AIFReconError as error:
         return Row(patient.seed, kind, name, False, False, str(error))
     said = " ".join(found.lines)
@@ -291,37 +283,44 @@ def _checked(patient: Patient, kind: str, name: str, case: Case, labels: Volume 
     return Row(patient.seed, kind, name, wrong, told in said and wrong if told else not wrong, said)
 
 
+HEAD = (
+    "",
+    "n",
+    "given",
+    "right",
+    "image points off: before",
+    "after",
+    "worst",
+    "95 of 100",
+    "worst",
+    "error within the stated",
+    "delay off, ms",
+)
+
+
 def calibrations(rows: list[Row], kind: str = CALIBRATE) -> str:
     """A line for each sort of case."""
-    head = "image points off: before | after | worst | 95 of 100 | worst | error within the stated | delay off, ms"
-    lines = [f"| | n | given | right | {head} |", "|---" * 11 + "|"]
-    rows = [row for row in rows if row.kind == kind]
-    for case in dict.fromkeys(row.case for row in rows):
-        these = [row for row in rows if row.case == case]
-        given = [row for row in these if row.accepted]
-        cells = [str(len(these)), str(len(given)), str(sum(row.right for row in given))]
-        if given:
-            for name, of in (("before", (np.median,)), ("median", (np.median, np.max)), ("worst", (np.median, np.max))):
-                cells += [f"{one([getattr(row, name) for row in given]):.2f}" for one in of]
-            held = sum(row.echoes <= row.stated for row in given) / len(given)
-            cells.append("" if math.isnan(given[0].stated) else f"{held:.0%}")
-            delays = [row.delay_ms for row in given if not math.isnan(row.delay_ms)]
-            cells.append(f"{max(delays):.1f}" if delays else "not told")
-        lines.append(table_line(case, [*cells, *[""] * (10 - len(cells))]))
-    return "\n".join(lines) + "\n"
+    lines = []
+    for case, of in pd.DataFrame([row for row in rows if row.kind == kind]).groupby("case", sort=False):
+        given = of[of.accepted]
+        cells = [case, f"{len(of)}", f"{len(given)}", f"{given.right.sum()}"]
+        if len(given):
+            median, worst = given["median"], given.worst
+            cells += [f"{mm:.2f}" for mm in (given.before.median(), median.median(), median.max(), worst.median(), worst.max())]
+            cells.append("" if math.isnan(given.stated.iloc[0]) else f"{(given.echoes <= given.stated).mean():.0%}")
+            cells.append(shown(given.delay_ms.max(), ".1f", "not told"))
+        lines.append([*cells, *[""] * (len(HEAD) - len(cells))])
+    return table(HEAD, lines) + "\n"
 
 
 def checks(rows: list[Row]) -> str:
     """A line for each mistake."""
-    lines = ["| | n | told, with a CT | something else told | told, without | something else told |", "|---|---|---|---|---|---|"]
-    tell: Callable[[str, str], list[Row]] = lambda kind, case: [row for row in rows if (row.kind, row.case) == (kind, case)]  # noqa: E731
-    for case in dict.fromkeys(row.case for row in rows if row.kind == "check"):
-        cells = [str(len(tell("check", case)))]
-        for kind in ("check", "check without"):
-            these = tell(kind, case)
-            cells += [str(sum(row.right for row in these)), str(sum(row.accepted and not row.right for row in these))]
-        lines.append(table_line(case, cells))
-    return "\n".join(lines) + "\n"
+    lines = []
+    for case, of in pd.DataFrame([row for row in rows if row.kind in CHECKS]).groupby("case", sort=False):
+        each = [of[of.kind == kind] for kind in CHECKS]
+        told = (str(count) for these in each for count in (these.right.sum(), (these.accepted & ~these.right).sum()))
+        lines.append([case, f"{len(each[0])}", *told])
+    return table(("", "n", "told, with a CT", "something else told", "told, without", "something else told"), lines) + "\n"
 
 
 def texts(rows: list[Row]) -> dict[str, str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from measured import table
 
 from AIFReconLib.bone.field import BoneField
 from AIFReconLib.calibration.calibration import calibrate
@@ -23,7 +24,6 @@ from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.sweep.edits import corrected
 from AIFReconLib.sweep.frames import TrackedSequence
 
-from .patients import table_line
 from .real_bone_cases import HOLE_LIMIT, PASS_GAP, SPACING, RealBone
 
 PLACE_ALONE = np.zeros(len(PARAMETERS), dtype=bool)
@@ -33,10 +33,7 @@ METHOD = "weighted"
 def halves_on_bone(bone: RealBone) -> str:
     """A line for each half: what it makes of the other, and what the other makes of itself."""
     recipe, field = Recipe(probe=LINEAR), BoneField.from_labels(bone.labels)
-    lines = [
-        "| calibrated on | the other half, as given | calibrated | calibrated on itself | without the CT | CNR, times | coverage, times |",
-        "|---" * 7 + "|",
-    ]
+    lines = []
     for name, one, other in _halves(bone):
         echoes = imaged_echoes(other, recipe)
         found, itself = (calibrate(half, bone.labels, np.eye(4), recipe=recipe) for half in (one, other))
@@ -48,8 +45,9 @@ def halves_on_bone(bone: RealBone) -> str:
         mended = corrected(other, found.image_correction)
         after = _measured(bone, mended, rests[0], replace(recipe, time_offset=found.correction.delay))
         cells = [f"{off[0]:.3f}", *(f"{each:.3f} ({each / off[0] - 1:+.0%})" for each in off[1:])]
-        lines.append(table_line(name, [*cells, *(f"{there / here:.2f}" for here, there in zip(before, after, strict=True))]))
-    return "\n".join(lines) + "\n"
+        lines.append([name, *cells, *(f"{there / here:.2f}" for here, there in zip(before, after, strict=True))])
+    of_half = ("calibrated on", "the other half, as given", "calibrated", "calibrated on itself", "without the CT")
+    return table((*of_half, "CNR, times", "coverage, times"), lines) + "\n"
 
 
 def _halves(bone: RealBone) -> Iterator[tuple[str, TrackedSequence, TrackedSequence]]:

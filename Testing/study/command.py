@@ -48,8 +48,6 @@ class Study:
         if self.options:
             self.options(parser)
         arguments = parser.parse_args(words)
-        if arguments.patients < 1 or arguments.jobs < 1:
-            parser.error("a study takes at least 1 patient and 1 job")
         if arguments.pages and arguments.patients < self.patients:
             parser.error("the pages are of whole studies: leave out --patients or --pages")
         return reported(lambda: self._work_through(arguments))
@@ -63,10 +61,8 @@ class Study:
         output.mkdir(parents=True, exist_ok=True)
         with ProgressBar() as progress:
             rows = run_tasks(work, given, self.row, output, arguments.jobs, progress, "patients")
-        texts, written = self.texts(rows), []
-        for title, text in texts.items():
-            written.append(output / f"{title}.md")
-            write_text(written[-1], text)
+        texts = self.texts(rows)
+        written = kept_in(output, texts)
         for folder in (output, *([REPOSITORY / "docs" / "images"] if arguments.pages else [])):
             for title, draw in self.pictures.items():
                 written.append(folder / title)
@@ -74,6 +70,14 @@ class Study:
         if arguments.pages:
             written += keep(self.shown(rows) if self.shown else texts, "make study")
         return [f"{len(rows)} {self.counted} of {len(given)} simulated patients", *map(str, written)]
+
+
+def kept_in(folder: Path, texts: dict[str, str]) -> list[Path]:
+    """Write pages; the answer is their files."""
+    files = [folder / f"{title}.md" for title in texts]
+    for file, text in zip(files, texts.values(), strict=True):
+        write_text(file, text)
+    return files
 
 
 def study_parser(name: str, page: str | None) -> argparse.ArgumentParser:

@@ -173,16 +173,7 @@ class ScannedCase:
         for pose in poses:
             met.insert(pose)
         border = covered(met).interspinous
-        shown = metrics.interspinous.coverage * metrics.interspinous.area / 100.0
-        return Row(
-            self.seed,
-            name,
-            len(poses),
-            passes,
-            metrics.interspinous.coverage,
-            shown / border.reachable_cm2,
-            metrics.bone.coverage,
-            metrics.bone.area / 100.0,
-            metrics.bone.cnr,
-            border.expected_visibility / border.met,
-        )
+        gaps, bone = metrics.interspinous, metrics.bone
+        of_reachable = gaps.coverage * gaps.area / 100.0 / border.reachable_cm2
+        shown = gaps.coverage, of_reachable, bone.coverage, bone.area / 100.0, bone.cnr
+        return Row(self.seed, name, len(poses), passes, *shown, expected=border.expected_visibility / border.met)

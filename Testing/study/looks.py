@@ -15,11 +15,10 @@ from dataclasses import dataclass, replace
 from unittest import mock
 
 import numpy as np
+import pandas as pd
+from measured import table
 
-from AIFReconLib.bone.echoes.surface import bone_from_sweep
-from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.compounding.layout import PixelLayout
-from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.effective_settings import resolve_imaging
 from AIFReconLib.errors import AIFReconError
@@ -47,11 +46,11 @@ from .method_cases import (
     SHAPES,
     SPACING,
     WITHOUT_CT,
+    bone_for,
     patient_of,
     placed_labels,
     simulated_scan,
 )
-from .patients import table_head, table_line
 from .real_bone_cases import HOLE_LIMIT as FIBULA_HOLE_LIMIT
 from .real_bone_cases import SPACING as FIBULA_SPACING
 from .real_bone_cases import RealBone
@@ -124,11 +123,7 @@ def _reconstructed(
 ) -> Reconstruction:
     """What a sweep shows as it is `seen`; where it is `recorded` otherwise, that is put into the voxels."""
     settings = replace(settings, method=OURS if method == WITHOUT_CT else method)
-    bone: BoneMap | LabeledBone | None = None
-    if method == WITHOUT_CT:
-        bone = bone_from_sweep(seen, settings)
-    elif method_named(method).needs_bone:
-        bone = LabeledBone(labels, None, seen, settings)
+    bone = bone_for(method, LabeledBone(labels, None, seen, settings), seen, settings)
     if recorded is None or look is None:
         return reconstruct(seen, settings, bone)
     levels = resolve_imaging(seen, sweep_poses(seen), True, settings).gray_levels
@@ -146,26 +141,22 @@ def matched(result: Reconstruction, to: Reconstruction) -> Volume:
     return replace(result.intensity, array=np.where(result.mask.array > 0, values, 0))
 
 
-def _mean(of: list[Row], look: str, metric: str) -> float:
-    return float(np.mean([row.metrics.get(metric, np.nan) for row in of if row.look == look]))
-
-
 def in_the_pages(rows: list[Row]) -> dict[str, str]:
     """What docs/study.md and docs/real-bone.md show, by the names of the files in docs/measured."""
     return {"study-looks": _worst_and_best(rows, False), "real-bone-looks": _worst_and_best(rows, True)}
 
 
 def _worst_and_best(rows: list[Row], of_fibula: bool) -> str:
-    lines = table_head(("CNR, worst look", "best", "coverage, worst look", "best"))
+    of = [row for row in rows if (row.seed == FIBULA) is of_fibula]
+    lines = []
     for method in (*COMPARED, *JUDGED.values()):
-        of = [row for row in rows if row.method == method and (row.seed == FIBULA) is of_fibula]
-        numbers = []
-        for metric, form in (("bone_cnr", "{:.2f}"), ("bone_coverage", "{:.0%}")):
-            means = {look: _mean(of, look, metric) for look in LOOKS}
-            worst, best = min(means, key=means.__getitem__), max(means, key=means.__getitem__)
-            numbers += [f"{form.format(means[worst])} ({worst})", form.format(means[best])]
-        lines.append(table_line(method, numbers))
-    return "\n".join(lines)
+        cells = [method]
+        for metric, form in (("bone_cnr", ".2f"), ("bone_coverage", ".0%")):
+            numbers = {look: [row.metrics.get(metric, np.nan) for row in of if (row.method, row.look) == (method, look)] for look in LOOKS}
+            means = pd.DataFrame(numbers).mean(skipna=False)
+            cells += [f"{means.min():{form}} ({means.idxmin()})", f"{means.max():{form}}"]
+        lines.append(cells)
+    return table(("", "CNR, worst look", "best", "coverage, worst look", "best"), lines)
 
 
 # Ten patients and the fibula

@@ -20,6 +20,7 @@ from AIFReconLib.errors import DisagreementWarning, GeometryError
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transforms import affine
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
@@ -36,7 +37,7 @@ from AIFReconLib.simulation.scan import (
 )
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects
 from AIFReconLib.sweep.configuration import PlusConfiguration
-from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 from .free_paths import lines_to_canal
@@ -103,7 +104,7 @@ class _Patient:
         with warnings.catch_warnings():
             # Told of wrong CTs, as it should be
             warnings.simplefilter("ignore", DisagreementWarning)
-            result = reconstruct(scan.sequence, settings, _bone(method, bone, scan.sequence))
+            result = reconstruct(scan.sequence, settings, bone_for(method, bone, scan.sequence))
         metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
         metrics["precision"] = precision(result.intensity, scan.truth)["precision_180"]
         return Row(self.seed, self.kind, condition, method, metrics)
@@ -141,14 +142,10 @@ def wrong_cts(back: Back, kind: str, seed: int) -> dict[str, Volume]:
     rng = np.random.default_rng([seed, 20])
     middle = tips[len(tips) // 2] + (0.0, 30.0, 0.0)
     wrong = {name: labels.placed_by(random_rigid(mm, 0.0, rng, middle)) for name, mm in SHIFTS.items()}
-    level = np.eye(4)
-    level[:3, 3] = tips[0] - tips[1]
-    wrong[LEVEL] = labels.placed_by(level)
+    wrong[LEVEL] = labels.placed_by(affine(np.eye(3), tips[0] - tips[1]))
     other = patient_of(kind, seed + 500)
-    there = np.eye(4)
-    there[:3, 3] = middle - (other.spinous_tips()[len(tips) // 2] + (0.0, 30.0, 0.0))
-    wrong[OTHER] = placed_labels(other).placed_by(there)
-    return wrong
+    there = middle - (other.spinous_tips()[len(tips) // 2] + (0.0, 30.0, 0.0))
+    return {**wrong, OTHER: placed_labels(other).placed_by(affine(np.eye(3), there))}
 
 
 def _without_bone(patient: _Patient, labels: Volume, probe: PhasedArray) -> list[Row]:
@@ -163,9 +160,10 @@ def _without_bone(patient: _Patient, labels: Volume, probe: PhasedArray) -> list
     return rows
 
 
-def _bone(method: str, bone: LabeledBone, sequence: TrackedSequence) -> BoneMap | LabeledBone | None:
+def bone_for(method: str, bone: LabeledBone, sequence: TrackedSequence, recipe: Recipe | None = None) -> BoneMap | LabeledBone | None:
+    """What a method is told of bone: that of the CT, what the sweep's own echoes show, or nothing."""
     if method == WITHOUT_CT:
-        return bone_from_sweep(sequence)
+        return bone_from_sweep(sequence, recipe)
     return bone if method_named(method).needs_bone else None
 
 
@@ -199,14 +197,21 @@ def configured(sequence: TrackedSequence, probe: PhasedArray, image_to_probe: np
 
 def _shaken(sequence: TrackedSequence, seed: int) -> TrackedSequence:
     """The same images with a tracker that is off in every frame."""
-    rng = np.random.default_rng([seed, 30])
-    records = []
-    for record in sequence.records:
+    rng, shakes = np.random.default_rng([seed, 30]), []
+    for _ in sequence.records:
+        shakes.append(random_rigid(0.0, NOISE_DEG * abs(rng.standard_normal()) * np.sqrt(3), rng))
+        shakes[-1][:3, 3] += NOISE_MM * rng.standard_normal(3)
+    return turned_marker(sequence, shakes)
+
+
+def turned_marker(sequence: TrackedSequence, turns: Iterable[np.ndarray]) -> TrackedSequence:
+    """The same images with a marker that sits on the probe otherwise, in each frame."""
+
+    def turned(record: FrameRecord, turn: np.ndarray) -> FrameRecord:
         sample = record.transforms[PROBE_TO_TRACKER]
-        shake = random_rigid(0.0, NOISE_DEG * abs(rng.standard_normal()) * np.sqrt(3), rng)
-        shake[:3, 3] += NOISE_MM * rng.standard_normal(3)
-        records.append(replace(record, transforms={**record.transforms, PROBE_TO_TRACKER: replace(sample, matrix=sample.matrix @ shake)}))
-    return replace(sequence, records=records)
+        return replace(record, transforms={**record.transforms, PROBE_TO_TRACKER: replace(sample, matrix=sample.matrix @ turn)})
+
+    return replace(sequence, records=list(map(turned, sequence.records, turns)))
 
 
 WITHOUT_BONE = tuple(method for method in METHODS if not method_named(method).needs_bone)

@@ -11,7 +11,7 @@ from AIFReconLib.io.disk.atomic import atomic_output
 
 from .method_cases import COMPARED, KINDS, LEVEL, OTHER, PLAIN, SHIFTS, WITHOUT_CT, Row
 from .method_page import RIGHT
-from .patients import Spread, spread_of
+from .patients import quartiles
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,19 +38,17 @@ def study_figure(path: Path, rows: list[Row]) -> None:
         for ax, (name, title) in zip(line, PANELS, strict=True):
             for number, method in enumerate(COMPARED):
                 for place, condition in enumerate(CONDITIONS):
-                    spread = _spread(rows, name, kind, condition, method)
-                    if spread.median != spread.median:
-                        continue
+                    # A method that asks no CT is the same with every one
+                    asked = RIGHT if method in (PLAIN, WITHOUT_CT) else condition
+                    low, median, high = (100 * value for value in quartiles(rows, name, kind=kind, condition=asked, method=method))
                     x = place + 0.8 / len(COMPARED) * (number - (len(COMPARED) - 1) / 2)
-                    low, median, high = (100 * value for value in (spread.low, spread.median, spread.high))
                     ax.bar(x, median, width=0.72 / len(COMPARED), color=COLORS[method], label=method if place == 0 else None)
                     ax.plot([x, x], [low, high], color="black", linewidth=0.8)
             ax.set_title(f"{kind}: {title}", fontsize=9, loc="left")
             ax.set_xticks(range(len(CONDITIONS)), [textwrap.fill(name, 10) for name in CONDITIONS], fontsize=7)
             ax.set_ylim(0, 100)
             ax.tick_params(axis="y", labelsize=8)
-            for side in ("top", "right"):
-                ax.spines[side].set_visible(False)
+            ax.spines[["top", "right"]].set_visible(False)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(COLORS), frameon=False, fontsize=10)
     saved(figure, path, 100)
@@ -68,9 +66,3 @@ def saved(figure: Figure, path: Path, dpi: int = 110) -> Path:
     with atomic_output(path) as temporary:
         figure.savefig(temporary, dpi=dpi, format="png")
     return path
-
-
-def _spread(rows: list[Row], name: str, kind: str, condition: str, method: str) -> Spread:
-    """The spread of a number; that of a method that asks no CT stands for every CT."""
-    asked = RIGHT if method in (PLAIN, WITHOUT_CT) else condition
-    return spread_of(rows, name, kind=kind, condition=asked, method=method)

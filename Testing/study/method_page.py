@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from measured import table
+
 from AIFReconLib.compounding.methods.table import METHODS, is_own_method
 
 from .method_cases import (
@@ -24,7 +26,7 @@ from .method_cases import (
     WITHOUT_CT,
     Row,
 )
-from .patients import Spread, spread_of, table_head, table_line
+from .patients import quartiles
 
 COLUMNS = (
     ("CNR", "bone_cnr", 1),
@@ -82,17 +84,15 @@ def _of_wrong(rows: list[Row], kind: str, cell) -> str:
 
 
 def _of_nothing(rows: list[Row], cell) -> str:
-    lines = table_head(KINDS)
-    for method in (PLAIN, PAPER, OURS):
-        spreads = (spread_of(rows, "bone_coverage", kind=kind, condition=NO_BONE, method=method) for kind in KINDS)
-        lines.append(table_line(method, (cell(spread, 100) for spread in spreads)))
-    return "\n".join(lines)
+    def cells(method: str) -> Iterable[str]:
+        return (cell(quartiles(rows, "bone_coverage", kind=kind, condition=NO_BONE, method=method), 100) for kind in KINDS)
+
+    return table(("", *KINDS), ([method, *cells(method)] for method in (PLAIN, PAPER, OURS)))
 
 
 def _proof(rows: list[Row]) -> str:
-    shown = [
-        _median(spread_of(rows, "bone_coverage", kind=SHAPES, condition=RIGHT, method=method), 100) for method in (OURS, WITHOUT_CT, PLAIN)
-    ]
+    spreads = (quartiles(rows, "bone_coverage", kind=SHAPES, condition=RIGHT, method=method) for method in (OURS, WITHOUT_CT, PLAIN))
+    shown = [_median(spread, 100) for spread in spreads]
     patients = len({row.seed for row in rows if row.kind == SHAPES})
     return (
         f"In {patients} simulated patients of real shape `{OURS}` shows {shown[0]}% of the bone that beams reach, "
@@ -101,20 +101,16 @@ def _proof(rows: list[Row]) -> str:
 
 
 def _table(rows: list[Row], kind: str, lines: Iterable[tuple[str, dict[str, str]]], columns, cell) -> str:
-    text = table_head(label for label, _, _ in columns)
-    for name, wanted in lines:
-        spreads = ((spread_of(rows, metric, kind=kind, **wanted), scale) for _, metric, scale in columns)
-        text.append(table_line(name, (cell(spread, scale) for spread, scale in spreads)))
-    return "\n".join(text)
+    def cells(wanted: dict[str, str]) -> Iterable[str]:
+        return (cell(quartiles(rows, metric, kind=kind, **wanted), scale) for _, metric, scale in columns)
+
+    return table(["", *(label for label, _, _ in columns)], ([name, *cells(wanted)] for name, wanted in lines))
 
 
-def _quartiles(spread: Spread, scale: float) -> str:
-    if spread.median != spread.median:
-        return "-"
-    form = ".0f" if scale == 100 else ".2f"
-    low, median, high = (format(scale * value, form) for value in (spread.low, spread.median, spread.high))
-    return f"{median} [{low}, {high}]"
+def _quartiles(spread: list[float], scale: float) -> str:
+    low, median, high = (format(scale * value, ".0f" if scale == 100 else ".2f") for value in spread)
+    return "-" if median == "nan" else f"{median} [{low}, {high}]"
 
 
-def _median(spread: Spread, scale: float) -> str:
+def _median(spread: list[float], scale: float) -> str:
     return _quartiles(spread, scale).partition(" ")[0]

@@ -14,10 +14,12 @@ import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
+from measured import table
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.evaluation.metrics import evaluate
-from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.transforms import affine, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.motion.motion import find_motion, taken_out
 from AIFReconLib.motion.solve import BoneInPlace
@@ -32,7 +34,6 @@ from AIFReconLib.sweep.poses import sweep_poses
 from .command import Study
 from .lumbar_shapes import lumbar_shapes
 from .method_cases import EFFECTS, HOLE_LIMIT, OURS, SPACING, Scan, configured, placed_labels, scan_of
-from .patients import table_head, table_line
 
 FRAMES = 297
 REST = "at rest"
@@ -110,45 +111,36 @@ def laid_on(sequence: TrackedSequence, true: TrackedSequence) -> TrackedSequence
     """A sweep moved as one to where another has its frames."""
     here, there = _places(sequence), _places(true)
     turn = Rotation.align_vectors(there - there.mean(axis=0), here - here.mean(axis=0))[0].as_matrix()
-    matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = turn, there.mean(axis=0) - turn @ here.mean(axis=0)
-    poses = matrix @ sweep_poses(sequence).image_to_reference
+    poses = affine(turn, there.mean(axis=0) - turn @ here.mean(axis=0)) @ sweep_poses(sequence).image_to_reference
     moved = TrackedSequence.from_arrays(sequence.images, poses, sequence.timestamps)
     return replace(moved, configuration=replace(sequence.configuration, transforms={}))
 
 
+MENDED = ("mended", "least", "coverage")
+HEAD = ("", "CNR, CT: moved", *MENDED, "no CT: moved", *MENDED, "left, mm: CT", "no CT", "taken out", "s")
+
+
 def page_of(rows: list[Row]) -> str:
     """A line per motion: as it is and mended, in times of the patient at rest."""
-    lines = table_head(
-        [
-            "CNR, CT: moved",
-            "mended",
-            "least",
-            "coverage",
-            "no CT: moved",
-            "mended",
-            "least",
-            "coverage",
-            "left, mm: CT",
-            "no CT",
-            "taken out",
-            "s",
-        ]
-    )
+    every = pd.DataFrame(rows)
+    rest = every[(every.motion == REST) & ~every.asked].set_index(["patient", "by"])
+    every = every.join(rest[["cnr", "coverage"]], on=["patient", "by"], rsuffix="_rest")
+    every = every.assign(kept=every.cnr / every.cnr_rest, points=100 * (every.coverage - every.coverage_rest))
+    lines = []
     for name in MOTIONS:
-        cells, left, applied, seconds = [], [], [], []
-        for by in (WITH_CT, WITHOUT_CT):
-            rest = {row.patient: row for row in rows if row.by == by and row.motion == REST and not row.asked}
-            of = [row for row in rows if row.by == by and row.motion == name]
-            moved, mended = ([row for row in of if row.asked is asked] for asked in (False, True))
-            shares = [row.cnr / rest[row.patient].cnr for row in mended]
-            cells += [f"{np.mean([row.cnr / rest[row.patient].cnr for row in moved]):.2f}", f"{np.mean(shares):.2f}", f"{min(shares):.2f}"]
-            cells += [f"{100 * np.mean([row.coverage - rest[row.patient].coverage for row in mended]):+.1f} points"]
-            left.append(f"{np.mean([row.left for row in mended]):.2f}")
-            applied.append(f"{sum(row.mended for row in mended)}/{len(mended)}")
-            seconds += [row.seconds for row in mended]
-        lines.append(table_line(name, [*cells, *left, ", ".join(applied), f"{np.mean(seconds):.0f}"]))
-    return "\n".join(lines) + "\n"
+        cells = [name]
+        moved, mended = ([of for _, of in every[(every.motion == name) & (every.asked == asked)].groupby("by")] for asked in (False, True))
+        for here, there in zip(moved, mended, strict=True):
+            cells += [
+                f"{here.kept.mean():.2f}",
+                f"{there.kept.mean():.2f}",
+                f"{there.kept.min():.2f}",
+                f"{there.points.mean():+.1f} points",
+            ]
+        cells += [f"{of.left.mean():.2f}" for of in mended]
+        cells += [", ".join(f"{of.mended.sum()}/{len(of)}" for of in mended), f"{pd.concat(mended).seconds.mean():.0f}"]
+        lines.append(cells)
+    return table(HEAD, lines) + "\n"
 
 
 STUDY = Study(patient_rows, Row, "reconstructions", lambda rows: {"motion": page_of(rows)})

@@ -50,15 +50,7 @@ def paths_figure(path: Path, rows: list[Row]) -> None:
         place = 0.0
         for at_found, words, color in sorted(labels):
             place = max(at_found, place * APART)
-            ax.annotate(
-                words,
-                (100 * FOUND, at_found),
-                (102.0, place),
-                color=color,
-                fontsize=11,
-                va="center",
-                annotation_clip=False,
-            )
+            ax.text(102.0, place, words, color=color, fontsize=11, va="center")
         ax.axvline(100 * FOUND, color="#333333", linewidth=0.8, linestyle=":")
         ax.text(100 * FOUND - 1, 130, "nine in ten found", fontsize=9, color="#333333", ha="right", va="bottom")
         ax.set_yscale("log")
@@ -70,7 +62,6 @@ def paths_figure(path: Path, rows: list[Row]) -> None:
         ax.set_title(scan.capitalize(), fontsize=13, loc="left", pad=18)
         ax.set_xlabel("free lines found", fontsize=11)
         ax.grid(axis="y", color="#dddddd", linewidth=0.8)
-        for side in ("top", "right"):
-            ax.spines[side].set_visible(False)
+        ax.spines[["top", "right"]].set_visible(False)
     figure.axes[0].set_ylabel("blocked lines called free (less is better)", fontsize=11)
     saved(figure, path, 100)

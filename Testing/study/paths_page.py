@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from measured import shown, table
 
 from AIFReconLib.evaluation.lines import BLOCKED, FREE, Roc, told_apart
 from AIFReconLib.paths.states import FREE as GIVEN_FREE
@@ -14,7 +15,6 @@ from AIFReconLib.paths.surroundings import FAR
 
 from .method_cases import OURS, PLAIN
 from .paths_cases import FIXED, NONE, PLANNED, RIGHT, WRONG, Row
-from .patients import table_head, table_line
 
 WITH_BONE = "the same, with the CT's bone"
 SHOWN = (
@@ -75,41 +75,26 @@ class Judged:
         all_seen = self.seen >= 1.0
         return told_apart(self.clearance[self.free & all_seen], np.where(all_seen, self.clearance, -np.inf)[self.blocked])[1]
 
-    def cells(self) -> list[str]:
-        """What a line of the tables holds."""
+    def columns(self) -> list[tuple[str, str]]:
+        """What the tables say of them, by its heading."""
         free, blocked, given = self.free, self.blocked, self.given
         bright = (np.nan, np.nan) if self.brightest is None else self.told_by(-self.brightest)
-        near = self.told_by(self.clearance)
+        near, all_seen = self.told_by(self.clearance), self.seen >= 1.0
         clear = states_of(self.clearance, self.seen) == GIVEN_FREE
         off = np.abs(np.maximum(self.clearance + self.margin, 0.0) - np.clip(self.truth, 0.0, FAR))
         return [
-            _number(bright[0]),
-            _share(bright[1]),
-            _number(near[0]),
-            _share(near[1]),
-            _share(self.told_by_seen()),
-            _share(_mean(self.seen[free] >= 1.0)),
-            _share(_mean(given[free])),
-            _share(_mean(given[blocked]), 2),
-            _share(_mean(clear[blocked]), 2),
-            _share(_mean(self.unreached[given] > 0.0)),
-            _share(_mean(off[free & (self.seen >= 1.0)] <= 1.0)),
+            ("area, brightest", shown(bright[0], ".3f")),
+            ("blocked called free", shown(bright[1], ".1%")),
+            ("area, distance", shown(near[0], ".3f")),
+            ("blocked called free", shown(near[1], ".1%")),
+            ("the same of lines seen", shown(self.told_by_seen(), ".1%")),
+            ("free lines seen", _share(all_seen[free])),
+            ("free given", _share(given[free])),
+            ("blocked given", _share(given[blocked], ".2%")),
+            (f"blocked given {ROOM:g} mm", _share(clear[blocked], ".2%")),
+            ("given through what no beam reached", _share(self.unreached[given] > 0.0)),
+            ("distance within 1 mm", _share(off[free & all_seen] <= 1.0)),
         ]
-
-
-COLUMNS = (
-    "area, brightest",
-    "blocked called free",
-    "area, distance",
-    "blocked called free",
-    "the same of lines seen",
-    "free lines seen",
-    "free given",
-    "blocked given",
-    f"blocked given {ROOM:g} mm",
-    "given through what no beam reached",
-    "distance within 1 mm",
-)
 
 
 def paths_page(rows: list[Row]) -> str:
@@ -124,8 +109,9 @@ def paths_page(rows: list[Row]) -> str:
 def table_of(rows: list[Row]) -> str:
     """The table of one scan, with the lines that there are rows of."""
     there = {(row.ct, row.method) for row in rows}
-    shown = [one for one in SHOWN if (one[1], one[2]) in there]
-    return "\n".join([*table_head(COLUMNS), *(table_line(one[0], judged_of(rows, *one[1:]).cells()) for one in shown)])
+    lines = {name: judged_of(rows, ct, method, with_ct).columns() for name, ct, method, with_ct in SHOWN if (ct, method) in there}
+    heads = [head for head, _ in next(iter(lines.values()))]
+    return table(["", *heads], ([name, *(cell for _, cell in columns)] for name, columns in lines.items()))
 
 
 def judged_of(rows: list[Row], ct: str, method: str, with_ct: bool) -> Judged:
@@ -145,13 +131,5 @@ def _head(rows: list[Row], scan: str) -> str:
     )
 
 
-def _mean(chosen: np.ndarray) -> float:
-    return float(chosen.mean()) if chosen.size else float("nan")
-
-
-def _share(number: float, digits: int = 1) -> str:
-    return "-" if number != number else f"{100 * number:.{digits}f}%"
-
-
-def _number(number: float) -> str:
-    return "-" if number != number else f"{number:.3f}"
+def _share(chosen: np.ndarray, form: str = ".1%") -> str:
+    return shown(float(chosen.mean()) if chosen.size else np.nan, form)

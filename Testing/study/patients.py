@@ -5,15 +5,16 @@ from __future__ import annotations
 
 import json
 import os
-import statistics
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import BrokenExecutor, as_completed
-from dataclasses import asdict, dataclass
+from concurrent.futures import as_completed
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import pandas as pd
+
 from AIFReconLib.batch.engine import LocalExecutor
-from AIFReconLib.errors import FileFormatError, InsufficientMemoryError
+from AIFReconLib.errors import FileFormatError
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.machine.threads import usable_cores
 from AIFReconLib.progress import Progress, report
@@ -35,26 +36,6 @@ def data_folder(name: str) -> Path:
     if not folder.is_dir():
         raise FileFormatError(f"{folder} is not there. Set AIFRECON_DATA_DIR to the folder that holds {name}/.")
     return folder
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Median and quartiles of a number over the patients."""
-
-    median: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, numbers: Iterable[float]) -> Spread:
-        """Of `numbers`, those that are not NaN; NaN where none is."""
-        known = sorted(number for number in numbers if number == number)
-        if not known:
-            return cls(float("nan"), float("nan"), float("nan"))
-        if len(known) == 1:
-            return cls(known[0], known[0], known[0])
-        low, median, high = statistics.quantiles(known, n=4, method="inclusive")
-        return cls(median, low, high)
 
 
 def run_tasks(
@@ -88,30 +69,16 @@ def run_tasks(
     FileFormatError
         When a file of an earlier run cannot be read.
     """
-    missing = {name: one for name, one in given.items() if not _file(folder, name).exists()}
-
-    def tell(done: int) -> None:
-        report(progress, done / max(len(given), 1), f"{done} of {len(given)} {counted} done")
-
-    done = len(given) - len(missing)
-    tell(done)
+    files = {name: folder / f"{name}.json" for name in given}
+    missing = [name for name, file in files.items() if not file.exists()]
     if missing:
         processes = min(jobs, len(missing))
         with LocalExecutor(processes, max(usable_cores() // processes, 1)) as executor:
-            futures = {executor.submit(work, one): name for name, one in missing.items()}
-            for future in as_completed(futures):
-                name = futures[future]
-                try:
-                    made = future.result()
-                except BrokenExecutor:
-                    raise InsufficientMemoryError(
-                        f"A process of the study was ended from outside, for memory most likely, after {done} of {len(given)} {counted}. "
-                        "Run it again with fewer --jobs; it goes on where it stopped."
-                    ) from None
-                write_text(_file(folder, name), json.dumps([asdict(each) for each in made], indent=1) + "\n")
-                done += 1
-                tell(done)
-    return [each for name in given for each in read_rows(_file(folder, name), row)]
+            futures = {executor.submit(work, given[name]): files[name] for name in missing}
+            for done, future in enumerate(as_completed(futures), 1 + len(given) - len(missing)):
+                write_text(futures[future], json.dumps([asdict(each) for each in future.result()], indent=1) + "\n")
+                report(progress, done / len(given), f"{done} of {len(given)} {counted} done")
+    return [each for file in files.values() for each in read_rows(file, row)]
 
 
 def read_rows(path: Path, row: type[Row]) -> list[Row]:
@@ -122,21 +89,8 @@ def read_rows(path: Path, row: type[Row]) -> list[Row]:
         raise FileFormatError(f"{path}: it is no result of the study ({error}). Delete it, and run the study again.") from None
 
 
-def spread_of(rows: Iterable[Any], name: str, **wanted: str) -> Spread:
-    """Over the patients, of the metric `name` in the rows, which have `metrics`, whose other values are as `wanted`."""
-    return Spread.of(row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items()))
-
-
-def table_head(labels: Iterable[str]) -> list[str]:
-    """The first two lines of a Markdown table whose first column names its lines."""
-    labels = tuple(labels)
-    return [table_line("", labels), "|---" * (len(labels) + 1) + "|"]
-
-
-def table_line(name: str, cells: Iterable[str]) -> str:
-    """A line of it."""
-    return f"| {name} | " + " | ".join(cells) + " |"
-
-
-def _file(folder: Path, name: str) -> Path:
-    return folder / f"{name}.json"
+def quartiles(rows: Iterable[Any], name: str, **wanted: str) -> list[float]:
+    """Lower quartile, median and upper one of the metric `name` in the rows, which have `metrics`, whose other values are as `wanted`."""
+    numbers = [row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items())]
+    spread: list[float] = pd.Series(numbers, dtype=float).quantile([0.25, 0.5, 0.75]).tolist()
+    return spread

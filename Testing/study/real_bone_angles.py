@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
+from measured import table
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
@@ -157,17 +158,9 @@ def angle_rows(echoes: Echoes) -> list[dict[str, float]]:
 def shadow_rows(echoes: Echoes) -> list[dict[str, float]]:
     """Per stretch of `SHADOW`: mean gray level behind bone, deviation along the line, and simulated levels without and with clutter."""
     courses = [_simulated_shadow(UltrasoundEffects(clutter=clutter)) for clutter in (False, True)]
-    return [
-        {
-            "near": near,
-            "far": far,
-            "gray": float(np.nanmean(echoes.shadow[:, number])),
-            "deviation": float(np.nanmean(echoes.shadow_deviation[:, number])),
-            "black": courses[0][number],
-            "clutter": courses[1][number],
-        }
-        for number, (near, far) in enumerate(SHADOW)
-    ]
+    gray, deviation = (np.nanmean(each, axis=0).tolist() for each in (echoes.shadow, echoes.shadow_deviation))
+    columns = zip(*zip(*SHADOW, strict=True), gray, deviation, *courses, strict=True)
+    return [dict(zip(("near", "far", "gray", "deviation", "black", "clutter"), row, strict=True)) for row in columns]
 
 
 def _simulated_shadow(effects: UltrasoundEffects) -> list[float]:
@@ -179,17 +172,24 @@ def _simulated_shadow(effects: UltrasoundEffects) -> list[float]:
     return [float(image[first:last, middle - half : middle + half].mean()) for first, last in rows]
 
 
+HEAD = (
+    "degrees",
+    "scan lines",
+    "echo",
+    "quartiles",
+    "tissue",
+    "traced 6 mm before",
+    "echo over tissue, share",
+    "cosine",
+    "simulated share",
+)
+OF_SHADOW = ("mm behind", "gray level", "deviation along the line", "simulated, black", "simulated, with clutter")
+
+
 def angle_tables(angles: list[dict[str, float]], shadows: list[dict[str, float]]) -> str:
     """Both as Markdown."""
-    text = [
-        "| degrees | scan lines | echo | quartiles | tissue | traced 6 mm before | echo over tissue, share | cosine | simulated share |"
-    ]
-    text.append("|---" * 9 + "|")
-    for row in angles:
-        text.append(
-            "| {low} to {high} | {lines} | {peak:.0f} | {peak_25:.0f} to {peak_75:.0f} | {tissue:.0f} | {elsewhere:.0f} | {share:.2f} | "
-            "{cosine:.2f} | {simulated:.2f} |".format(**row)
-        )
-    text += ["", "| mm behind | gray level | deviation along the line | simulated, black | simulated, with clutter |", "|---" * 5 + "|"]
-    text += ["| {near:g} to {far:g} | {gray:.0f} | {deviation:.0f} | {black:.0f} | {clutter:.0f} |".format(**row) for row in shadows]
-    return "\n".join(text)
+    levels = "{low} to {high}|{lines}|{peak:.0f}|{peak_25:.0f} to {peak_75:.0f}|{tissue:.0f}|{elsewhere:.0f}|"
+    of_angle = levels + "{share:.2f}|{cosine:.2f}|{simulated:.2f}"
+    of_shadow = "{near:g} to {far:g}|{gray:.0f}|{deviation:.0f}|{black:.0f}|{clutter:.0f}"
+    parts = (HEAD, of_angle, angles), (OF_SHADOW, of_shadow, shadows)
+    return "\n\n".join(table(head, (form.format(**row).split("|") for row in rows)) for head, form, rows in parts)

@@ -16,6 +16,7 @@ from AIFReconLib.compounding.methods.table import BONE_METHODS, method_named
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
+from AIFReconLib.geometry.transforms import affine
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.io.sequence.files import read_sequence
@@ -107,23 +108,17 @@ class RealBone:
         axes, misplaced = self.axes, (PLAIN, OURS)
         for mm in SHIFTS:
             for name, sign, axis in (("away from the probe", 1, 0), ("toward it", -1, 0), ("to one side", 1, 1), ("to the other", -1, 1)):
-                moved = np.eye(4)
-                moved[:3, 3] = sign * mm * axes[axis]
-                yield Case(f"CT {mm:g} mm {name}", misplaced, ct_error=moved)
+                yield Case(f"CT {mm:g} mm {name}", misplaced, affine(np.eye(3), sign * mm * axes[axis]))
         for degrees in TURNS:
             for name, axis in (("across the beams", 1), ("along the beams", 0)):
-                yield Case(f"CT {degrees:g} degrees about an axis {name}", misplaced, ct_error=self._turned(axes[axis], degrees))
+                yield Case(f"CT {degrees:g} degrees about an axis {name}", misplaced, self._turned(axes[axis], degrees))
 
     def row(self, case: Case, method: str) -> Row:
         """Reconstruct and measure."""
-        result, metrics = self.reconstructed(case, method), {}
-        metrics.update(evaluate(result.intensity, self.truth, result.mask).to_dict())
-        metrics.update(precision(result.intensity, self.truth))
-        if np.array_equal(case.ct_error, np.eye(4)):
-            metrics.update(by_incidence(result.intensity, self.truth, result.mask))
-        else:
-            metrics.update(false_bone(result.intensity, self.truth, case.ct_error))
-        return Row(case.condition, method, metrics)
+        result = self.reconstructed(case, method)
+        of, right = (result.intensity, self.truth), np.array_equal(case.ct_error, np.eye(4))
+        more = by_incidence(*of, result.mask) if right else false_bone(*of, case.ct_error)
+        return Row(case.condition, method, {**evaluate(*of, result.mask).to_dict(), **precision(*of), **more})
 
     def reconstructed(self, case: Case, method: str) -> Reconstruction:
         """The volume of a case by a method; where none of it depends on the CT, that made before."""
@@ -167,11 +162,8 @@ class RealBone:
 
     def _turned(self, axis: np.ndarray, degrees: float) -> np.ndarray:
         """A turn about an axis through the middle of the bone that beams reached."""
-        turn = np.eye(4)
-        turn[:3, :3] = Rotation.from_rotvec(np.radians(degrees) * axis).as_matrix()
-        middle = self.reached[0].mean(axis=0)
-        turn[:3, 3] = middle - turn[:3, :3] @ middle
-        return turn
+        turn, middle = Rotation.from_rotvec(np.radians(degrees) * axis).as_matrix(), self.reached[0].mean(axis=0)
+        return affine(turn, middle - turn @ middle)
 
 
 def real_bone_rows(bone: RealBone, folder: Path, jobs: int = 2, progress: Progress | None = None) -> list[Row]:

@@ -39,13 +39,9 @@ def real_bone_figures(folder: Path, bone: RealBone, rows: list[Row]) -> list[Pat
     OutputError
         When a file cannot be written.
     """
-    case = Case(IN_PLACE, SHOWN)
-    volumes = {method: bone.reconstructed(case, method).intensity for method in SHOWN}
-    drawn = {
-        "real-bone-cuts.png": _cuts(bone, volumes),
-        "real-bone-curves.png": _curves([row for row in rows if row.condition == IN_PLACE]),
-    }
-    return [saved(figure, folder / name) for name, figure in drawn.items()]
+    volumes = {method: bone.reconstructed(Case(IN_PLACE, SHOWN), method).intensity for method in SHOWN}
+    curves = _curves([row for row in rows if row.condition == IN_PLACE])
+    return [saved(_cuts(bone, volumes), folder / "real-bone-cuts.png"), saved(curves, folder / "real-bone-curves.png")]
 
 
 def angle_figure(folder: Path, angles: list[dict[str, float]], shadows: list[dict[str, float]]) -> Path:
@@ -54,31 +50,21 @@ def angle_figure(folder: Path, angles: list[dict[str, float]], shadows: list[dic
     levels, shares, shadow = figure.subplots(1, 3)
     middles = [row["middle"] for row in angles]
 
-    def drawn(ax: Axes, rows: list[dict[str, float]], x: list[float], name: str, label: str, color: str, style: str = "-") -> None:
-        ax.plot(x, [row[name] for row in rows], style, color=color, label=label, marker="o", markersize=3.5)
-
-    levels.fill_between(middles, *([row[f"peak_{part}"] for row in angles] for part in (25, 75)), color="#e07b00", alpha=0.2, linewidth=0)
-    for name, label, color in (
-        ("peak", "echo of bone", "#e07b00"),
-        ("elsewhere", "traced 6 mm before", "#8a8a8a"),
-        ("tissue", "tissue", "#7fb2e5"),
-    ):
-        drawn(levels, angles, middles, name, label, color)
-    for name, label, color in (("share", "real", "#e07b00"), ("simulated", "simulated", "#2f6db3"), ("cosine", "cosine", "#8a8a8a")):
-        drawn(shares, angles, middles, name, label, color, "--" if name == "cosine" else "-")
     behind = [(row["near"] + row["far"]) / 2 for row in shadows]
-    for name, label, color in (
-        ("gray", "real", "#e07b00"),
-        ("black", "simulated, black", "#8a8a8a"),
-        ("clutter", "simulated, clutter", "#2f6db3"),
+    levels.fill_between(middles, *([row[f"peak_{part}"] for row in angles] for part in (25, 75)), color="#e07b00", alpha=0.2, linewidth=0)
+    of_levels = ("peak", "echo of bone", "#e07b00"), ("elsewhere", "traced 6 mm before", "#8a8a8a"), ("tissue", "tissue", "#7fb2e5")
+    of_shares = ("share", "real", "#e07b00"), ("simulated", "simulated", "#2f6db3"), ("cosine", "cosine", "#8a8a8a")
+    of_shadow = ("gray", "real", "#e07b00"), ("black", "simulated, black", "#8a8a8a"), ("clutter", "simulated, clutter", "#2f6db3")
+    incidence = "angle of incidence, degrees"
+    for ax, x, rows, curves, title, below in (
+        (levels, middles, angles, of_levels, "gray level; band: quartiles of the echo", incidence),
+        (shares, middles, angles, of_shares, "echo over tissue, of that met squarely", incidence),
+        (shadow, behind, shadows, of_shadow, "gray level in the shadow", "mm behind the echo"),
     ):
-        drawn(shadow, shadows, behind, name, label, color)
-    for ax, title, label in (
-        (levels, "gray level; band: quartiles of the echo", "angle of incidence, degrees"),
-        (shares, "echo over tissue, of that met squarely", "angle of incidence, degrees"),
-        (shadow, "gray level in the shadow", "mm behind the echo"),
-    ):
-        _bare(ax, title, label)
+        for name, label, color in curves:
+            style = "--" if name == "cosine" else "-"
+            ax.plot(x, [row[name] for row in rows], style, color=color, label=label, marker="o", markersize=3.5)
+        _bare(ax, title, below)
         ax.set_ylim(bottom=0)
         ax.legend(frameon=False, fontsize=8)
     figure.supxlabel(SOURCE.replace("; reconstructed by AIFRecon", ""), fontsize=8)
@@ -90,8 +76,7 @@ def _bare(ax: Axes, title: str, label: str) -> None:
     ax.set_title(title, fontsize=10, loc="left")
     ax.set_xlabel(label, fontsize=9)
     ax.grid(linewidth=0.3)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    ax.spines[["top", "right"]].set_visible(False)
 
 
 def _cuts(bone: RealBone, volumes: dict[str, Volume]) -> Figure:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from itertools import pairwise
 
 import numpy as np
+from measured import shown, table
 
 from AIFReconLib.compounding.methods.average import AVERAGE
 
-from .patients import table_head, table_line
 from .real_bone_cases import IN_PLACE, SHIFTS, TURNS, Row
 from .real_bone_measures import BRIGHT, INCIDENCES
 
-SOURCE = (
-    "Ultrasound and CT: the example record of UltraBones100k (Wu, Cavalcanti, Seibold and others), published under "
-    "[CC BY 4.0](https://creativecommons.org/licenses/by/4.0/); reconstructed here, which changed the images."
-)
 COLUMNS = (
     ("CNR", "bone_cnr", ".2f"),
     ("CNR oblique", "oblique_cnr", ".2f"),
@@ -27,67 +24,43 @@ COLUMNS = (
     (f"on bone above {BRIGHT}", f"precision_{BRIGHT}", ".1%"),
     ("inside it", f"inside_{BRIGHT}", ".1%"),
 )
+HEAD = [label for label, _, _ in COLUMNS]
 OURS = "weighted"
 OF_WRONG = ("CNR", "coverage %", "coverage oblique %", f"on bone above {BRIGHT}")
-
-
-def real_bone_page(rows: list[Row], angles: str) -> str:
-    """The tables as Markdown; `angles` is that of `angle_tables`."""
-    tables = in_the_pages(rows)
-    sections = {
-        "The right CT": tables["real-bone-methods"],
-        "By the best angle of incidence": tables["real-bone-angles"],
-        "A misplaced CT": tables["real-bone-wrong-ct"],
-        "Real bone by the angle, and its shadow": angles,
-    }
-    return "\n\n".join([SOURCE, *(f"### {title}\n\n{table}" for title, table in sections.items())]) + "\n"
-
-
-def _methods(exact: list[Row]) -> str:
-    lines = [table_line(row.method, (_cell(row.metrics[metric], form) for _, metric, form in COLUMNS)) for row in exact]
-    return "\n".join([*table_head(label for label, _, _ in COLUMNS), *lines])
-
-
-def _cell(number: float, form: str) -> str:
-    return "-" if number != number else format(number, form)
 
 
 def in_the_pages(rows: list[Row]) -> dict[str, str]:
     """What docs/real-bone.md and the README show, by the names of the files in docs/measured."""
     exact = [row for row in rows if row.condition == IN_PLACE]
-    bins = [f"{low} to {high} degrees" for low, high in pairwise(INCIDENCES)]
-    angles = [table_line("cm², reached", (_cell(exact[0].metrics[f"bone_area_{low}"] / 100, ".1f") for low in INCIDENCES[:-1]))]
-    for row in exact:
-        if row.method in (AVERAGE.name, "aif-compensated", OURS):
-            cells = (_cell(row.metrics[f"bone_coverage_{low}"], ".0%") for low in INCIDENCES[:-1])
-            angles.append(table_line(f"coverage, {row.method}", cells))
-    shown = {row.method: _cell(row.metrics["bone_coverage"], ".0%") for row in exact}
+    areas = (shown(exact[0].metrics[f"bone_area_{low}"] / 100, ".1f") for low in INCIDENCES[:-1])
+    covered = [row for row in exact if row.method in (AVERAGE.name, "aif-compensated", OURS)]
+    angles = (
+        [f"coverage, {row.method}", *(shown(row.metrics[f"bone_coverage_{low}"], ".0%") for low in INCIDENCES[:-1])] for row in covered
+    )
+    known = {row.method: shown(row.metrics["bone_coverage"], ".0%") for row in exact}
     return {
-        "real-bone-proof": f"On one real bone, a cadaver's fibula, it is {shown[OURS]} and {shown[AVERAGE.name]}.",
-        "real-bone-methods": _methods(exact),
-        "real-bone-angles": "\n".join([*table_head(bins), *angles]),
+        "real-bone-proof": f"On one real bone, a cadaver's fibula, it is {known[OURS]} and {known[AVERAGE.name]}.",
+        "real-bone-methods": table(["", *HEAD], ([row.method, *_cells([row])] for row in exact)),
+        "real-bone-angles": table(
+            ["", *(f"{low} to {high} degrees" for low, high in pairwise(INCIDENCES))], [["cm², reached", *areas], *angles]
+        ),
         "real-bone-wrong-ct": _wrong_ct(rows, exact),
     }
 
 
+def _cells(rows: list[Row], labels: Container[str] = HEAD) -> list[str]:
+    """The means over rows."""
+    return [shown(float(np.mean([row.metrics[metric] for row in rows])), form) for label, metric, form in COLUMNS if label in labels]
+
+
 def _wrong_ct(rows: list[Row], exact: list[Row]) -> str:
     """`weighted` with the CT in wrong places, means over the directions; false bone beyond average's on the mean and at worst."""
-    columns = [each for each in COLUMNS if each[0] in OF_WRONG]
-    text = table_head([*(label for label, _, _ in columns), "false bone beyond average's", "at worst"])
-    for row in exact:
-        if row.method in (AVERAGE.name, OURS):
-            name = "right CT" if row.method == OURS else "average, which asks no CT"
-            text.append(table_line(name, [*(_cell(row.metrics[metric], form) for _, metric, form in columns), "", ""]))
-    for error in _errors():
+    names = {OURS: "right CT", AVERAGE.name: "average, which asks no CT"}
+    lines = [[names[row.method], *_cells([row], OF_WRONG), "", ""] for row in exact if row.method in names]
+    for error in (*(f"{mm:g} mm" for mm in SHIFTS), *(f"{degrees:g} degrees" for degrees in TURNS)):
         some = [row for row in rows if row.condition.startswith(f"CT {error}") and row.method == OURS]
-        cells = [_cell(float(np.mean([row.metrics[metric] for row in some])), form) for _, metric, form in columns]
-        text.append(table_line(error, [*cells, *(_cell(each, ".1%") for each in _beyond(rows, some))]))
-    return "\n".join(text)
-
-
-def _errors() -> list[str]:
-    """The wrong places, as conditions name them."""
-    return [*(f"{mm:g} mm" for mm in SHIFTS), *(f"{degrees:g} degrees" for degrees in TURNS)]
+        lines.append([error, *_cells(some, OF_WRONG), *(shown(each, ".1%") for each in _beyond(rows, some))])
+    return table(["", *OF_WRONG, "false bone beyond average's", "at worst"], lines)
 
 
 def _beyond(rows: list[Row], some: list[Row]) -> tuple[float, float]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from AIFReconLib.evaluation.lines import lines_near
 from AIFReconLib.evaluation.visibility import SweepBeams
+from AIFReconLib.geometry.transforms import affine
 from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.progress import Progress
 from AIFReconLib.recipe.recipe import ReconstructionSettings
@@ -38,9 +39,7 @@ def path_rows(bone: RealBone, folder: Path, jobs: int = 2, progress: Progress | 
 def _rows_of(given: tuple[Path, str, str]) -> list[Row]:
     folder, ct, method = given
     bone, scanned = _opened(folder)
-    place = np.eye(4)
-    if ct == WRONG:
-        place[:3, 3] = WRONG_MM * bone.axes[1]
+    place = affine(np.eye(3), (ct == WRONG) * WRONG_MM * bone.axes[1])
     if not method:
         return [scanned.ct_alone(ct, place)]
     return [scanned.volume(ct, method, None if ct == NONE else place)]

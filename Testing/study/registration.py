@@ -7,51 +7,45 @@ writes registration.md. About four minutes per patient and core; an interrupted 
 
 from __future__ import annotations
 
-import numpy as np
+import pandas as pd
+from measured import table
 
 from .command import Study
-from .patients import table_line
 from .registration_cases import Row, patient_rows
 
 CHOSEN_ON = (0, 1)
 """Patients on which constants were chosen: they have no say in the table of docs/registration.md."""
 
 
+HEAD = (
+    "Condition",
+    "n",
+    "accepted",
+    "error, mm: median",
+    "95%",
+    "within 1 mm",
+    "within 2 mm",
+    "wrongly accepted",
+    "agreement",
+    "median, mm",
+)
+
+
 def page_of(rows: list[Row]) -> str:
-    """A table: a line per condition."""
-    lines = [
-        "| Condition | n | accepted | error, mm: median | 95% | within 1 mm | within 2 mm | wrongly accepted | agreement | median, mm |",
-        "|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    for condition in dict.fromkeys(row.condition for row in rows):
-        these = [row for row in rows if row.condition == condition]
-        errors = sorted(row.error for row in these if row.error == row.error)
-        accepted = sum(row.accepted for row in these) / len(these)
-        middle = sorted(row.agreement for row in these)
-        medians = sorted(row.median_distance for row in these)
-        cells = [str(len(these)), f"{accepted:.0%}"]
-        if errors:
-            wrong = sum(row.accepted and row.error > 2.0 for row in these)
-            cells += [f"{np.median(errors):.2f}", f"{np.percentile(errors, 95):.2f}"]
-            cells += [f"{sum(e <= limit for e in errors) / len(errors):.0%}" for limit in (1.0, 2.0)] + [str(wrong)]
-        else:
-            cells += ["", "", "", "", ""]
-        cells += [f"{middle[0]:.2f} to {middle[-1]:.2f}", f"{medians[0]:.2f} to {medians[-1]:.2f}"]
-        lines.append(table_line(condition, cells))
-    return "\n".join(lines + _kept(rows)) + "\n"
-
-
-def _kept(rows: list[Row]) -> list[str]:
-    """A table of what `weighted` shows with the registrations that were found, as shares of what it shows with the exact one."""
-    lines = ["", "| Condition | n | CNR kept: median | least | coverage kept: median | least |", "|---|---|---|---|---|---|"]
-    rows = [row for row in rows if row.cnr_kept == row.cnr_kept]
-    for condition in dict.fromkeys(row.condition for row in rows):
-        cells = [str(len([row for row in rows if row.condition == condition]))]
-        for name in ("cnr_kept", "coverage_kept"):
-            shares = [getattr(row, name) for row in rows if row.condition == condition]
-            cells += [f"{np.median(shares):.1%}", f"{min(shares):.1%}"]
-        lines.append(table_line(condition, cells))
-    return lines
+    """A line per condition; then what `weighted` shows with the registrations found, as shares of what it shows with the exact one."""
+    lines, kept = [], []
+    for condition, of in pd.DataFrame(rows).groupby("condition", sort=False):
+        errors, cells = of.error.dropna(), [""] * 5
+        if len(errors):
+            within = (f"{(errors <= limit).mean():.0%}" for limit in (1.0, 2.0))
+            cells = [f"{errors.median():.2f}", f"{errors.quantile(0.95):.2f}", *within, f"{(of.accepted & (of.error > 2.0)).sum()}"]
+        ranges = (f"{each.min():.2f} to {each.max():.2f}" for each in (of.agreement, of.median_distance))
+        lines.append([condition, f"{len(of)}", f"{of.accepted.mean():.0%}", *cells, *ranges])
+        if of.cnr_kept.any():
+            shares = (f"{one:.1%}" for each in (of.cnr_kept, of.coverage_kept) for one in (each.median(), each.min()))
+            kept.append([condition, f"{of.cnr_kept.count()}", *shares])
+    shown = table(("Condition", "n", "CNR kept: median", "least", "coverage kept: median", "least"), kept)
+    return f"{table(HEAD, lines)}\n\n{shown}\n"
 
 
 STUDY = Study(

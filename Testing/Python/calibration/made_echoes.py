@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
+from ray_echoes import spine
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone.field import BoneField
 from AIFReconLib.calibration.echoes import Correction, ImagedEchoes, _angles, _PlaneTrack
-from AIFReconLib.geometry.transforms import transform_points
-from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
+from AIFReconLib.geometry.transforms import affine, transform_points
 from AIFReconLib.simulation.scan import random_rigid
 
 ANGLES = ((0, 0, 0), (25, 0, 0), (-25, 0, 0), (0, 15, 0), (0, -15, 0), (10, 10, 90))
@@ -20,12 +19,6 @@ ANGLES = ((0, 0, 0), (25, 0, 0), (-25, 0, 0), (0, 15, 0), (0, -15, 0), (10, 10, 
 
 FRAMES, RATE, SPACING = 12, 20.0, (0.2, 0.3)
 """Frames a pass, Hz, and mm: pixels that are higher than wide."""
-
-
-@lru_cache
-def spine(seed: int = 0) -> LumbarPhantom:
-    """A spine whose CT lies in Reference as it is."""
-    return make_lumbar_phantom(LumbarAnatomy.from_seed(seed, 3), spacing=1.0)
 
 
 def made_echoes(angles=ANGLES, seed: int = 0, noise: float = 0.1) -> ImagedEchoes:
@@ -39,10 +32,7 @@ def made_echoes(angles=ANGLES, seed: int = 0, noise: float = 0.1) -> ImagedEchoe
         for way in (1, -1):
             start = times[-1] + 2.0 if times else 0.0
             for n, z in enumerate(np.linspace(-60.0, 60.0, FRAMES)[::way]):
-                plane = np.eye(4)
-                plane[:3, :3] = upright
-                plane[:3, 3] = np.array([0.0, 30.0, z]) - upright[:, 1] * 35.0 - upright[:, 0] * 30.0
-                planes.append(plane)
+                planes.append(affine(upright, np.array([0.0, 30.0, z]) - upright[:, 1] * 35.0 - upright[:, 0] * 30.0))
                 times.append(start + n / RATE)
     across = np.arange(0.0, 60.0, 2.0)
     depths = np.arange(2.0, 75.0, 0.2)

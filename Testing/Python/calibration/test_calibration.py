@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, spine, wrongly_calibrated
-from scipy.spatial.transform import Rotation
+from sweeps import rigid
 
 from AIFReconLib import check_calibration
 from AIFReconLib.calibration import calibration, check
@@ -86,10 +86,8 @@ def test_what_tilts_within_the_plane_leave_open_is_named_with_the_movement_that_
 def test_a_robot_that_tilts_about_one_axis_does_not_give_the_image_a_false_turn_of_ten_degrees(bone):
     """Steps along the spine, at each a few tilts within the image plane: a turn of the image there is one of the CT."""
     echoes = made_echoes(ANGLES[:3])
-    turned = np.eye(4)
-    turned[:3, :3] = Rotation.from_euler("z", 10, degrees=True).as_matrix()
-    turned[:3, 3] = echoes.center - turned[:3, :3] @ echoes.center
-    found = calibrate_echoes(echoes.moved(turned), bone, np.eye(4))
+    middle = rigid(translation=echoes.center)
+    found = calibrate_echoes(echoes.moved(middle @ rigid((0.0, 0.0, 10.0)) @ np.linalg.inv(middle)), bone, np.eye(4))
     left = [name for name, value in zip(PARAMETERS, found.values, strict=True) if value == 0.0]
     assert "turn in the image" in left
     assert left == named(~found.held)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from made_echoes import ANGLES, made_echoes, wrongly_calibrated
 from scipy.spatial.transform import Rotation
+from sweeps import laid_on
 
 from AIFReconLib.calibration import crossing
 from AIFReconLib.calibration.crossing import ASKED, calibrate_by_crossing, crossing_findings, crossing_report
@@ -39,8 +40,7 @@ def found(wrong):
 def misplaced(true, echoes, correction) -> float:
     """mm by which echoes are placed beside where they are, one laid on the other as a whole; the median."""
     here, there = echoes.placed(correction).points, true.placed(Correction.none(true.center)).points
-    here, there = here - here.mean(axis=0), there - there.mean(axis=0)
-    return float(np.median(np.linalg.norm(Rotation.align_vectors(there, here)[0].apply(here) - there, axis=1)))
+    return float(np.median(np.linalg.norm(laid_on(here, there) - there, axis=1)))
 
 
 def test_echoes_of_all_angles_lie_as_they_do_on_the_bone(true, wrong, found):

@@ -1,7 +1,7 @@
 """The algorithm of the design as two plain loops over pixels: slow, obvious, and what every engine is held against.
 
 It shares no code with the library's compounding: each step is written out from the design's formulas. Arithmetic is float32, one
-operation at a time, so that agreement can be asked for to the last bit; `double=True` does it all in float64 instead.
+operation at a time, so that agreement can be asked for to the last bit.
 """
 
 from __future__ import annotations
@@ -34,14 +34,13 @@ def plain_loop(
     evidence=None,
     floor=0.02,
     gain=1.0,
-    double=False,
 ):
     """Reconstruct `frames` (image, image_to_reference) on `grid`.
 
     mask : (rows, columns) bool, pixels that count; directions : (rows, columns, 2), beam directions in the image plane;
     bone : BoneOnGrid; evidence : (reach, onset), each (rows, columns), per frame, for `weighted`.
     """
-    real = np.float64 if double else np.float32
+    real = np.float32
     ni, nj, nk = grid.size
     value, weight, best = (np.zeros((nk, nj, ni), real) for _ in range(3))
     total = np.zeros((nk, nj, ni), np.float64)

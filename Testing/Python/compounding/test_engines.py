@@ -57,12 +57,6 @@ def state_after(
     return [*arrays, *([] if linear else [result.cosine.array])], (result.skipped, result.frames_inserted)
 
 
-def assert_same(ours, theirs):
-    for one, other in zip(ours[0], theirs[0], strict=True):
-        np.testing.assert_array_equal(one, other)
-    assert ours[1] == theirs[1]
-
-
 @pytest.mark.parametrize(("method", "linear"), WAYS)
 def test_frames_that_have_entered_are_let_go(method, linear):
     """A scan of an hour is 100,000 frames: what each leaves behind adds up."""
@@ -107,7 +101,7 @@ def test_the_engines_agree_to_the_last_bit(way, seed, spacing, turn, pixel, thre
     grid = turned_grid(spacing, (9, 8, 7), turn)
     asked = {"probe": probe, "region": region, "linear": linear, "speed": speed, "importance": importance}
     plain = state_after("numpy", method, frames, grid, **asked)
-    assert_same(state_after("numba", method, frames, grid, threads=threads, chunk=chunk, **asked), plain)
+    np.testing.assert_equal(state_after("numba", method, frames, grid, threads=threads, chunk=chunk, **asked), plain)
 
 
 def shadowed_frames(count=4, columns=34):
@@ -189,7 +183,7 @@ def test_engines_agree_on_what_is_hard(frames, grid, methods, probe):
     for method in methods:
         plain = state_after("numpy", method, frames, grid, probe=probe)
         assert plain[0][2].any()
-        assert_same(state_after("numba", method, frames, grid, probe=probe, threads=2), plain)
+        np.testing.assert_equal(state_after("numba", method, frames, grid, probe=probe, threads=2), plain)
 
 
 @needs_numba
@@ -202,7 +196,7 @@ def test_engines_agree_where_sound_has_another_speed(way, probe):
         state_after(each, method, frames, turned_grid(), probe=probe, linear=linear, speed=1480.0) for each in ("numpy", "numba")
     )
     assert plain[0][2].any()
-    assert_same(fast, plain)
+    np.testing.assert_equal(fast, plain)
 
 
 @needs_numba
@@ -211,7 +205,7 @@ def test_the_size_of_a_batch_makes_no_difference(monkeypatch, room):
     frames = oblique_frames(count=8)
     plain = state_after("numpy", "aif-compensated", frames, turned_grid())
     monkeypatch.setattr(batch, "BATCH_BYTES", room * frames[0].image.size)
-    assert_same(state_after("numba", "aif-compensated", frames, turned_grid()), plain)
+    np.testing.assert_equal(state_after("numba", "aif-compensated", frames, turned_grid()), plain)
 
 
 @needs_numba

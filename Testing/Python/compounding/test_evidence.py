@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy import ndimage
+from sweeps import rigid
 
 from AIFReconLib.compounding.evidence import LEAST_REACH, ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
@@ -118,9 +119,8 @@ def test_of_two_echoes_of_a_scan_line_the_ct_decides_which_is_bone():
 def test_what_the_ct_expects_is_read_where_the_frame_lies():
     layout = PixelLayout.build((COLUMNS, ROWS), SPACING, ImageRegion(), LINEAR)
     lines = ScanLines(layout, LINEAR)
-    place = np.eye(4)
-    place[0, 3] = -10.0
-    expected = lines.expected(np.arange(COLUMNS * ROWS, dtype=np.float32).reshape(1, ROWS, COLUMNS), place)
+    plane = np.arange(COLUMNS * ROWS, dtype=np.float32).reshape(1, ROWS, COLUMNS)
+    expected = lines.expected(plane, rigid(translation=(-10.0, 0.0, 0.0)))
     column, row = np.meshgrid(np.arange(0, COLUMNS, 2), np.arange(0, ROWS, 2))
     np.testing.assert_array_equal(expected, np.where(column >= 10, row * COLUMNS + column - 10, 0))
 

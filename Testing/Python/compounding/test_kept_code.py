@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from unittest import mock
 
 import pytest
 
@@ -53,8 +54,5 @@ def test_a_job_finds_what_another_compiled(tmp_path):
 def test_a_disk_that_is_full_costs_time_and_nothing_else(monkeypatch):
     from AIFReconLib.machine.numba_compile import compiled
 
-    def fail(*_, **_options):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", fail)
+    monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", mock.Mock(side_effect=OSError(28, "No space left on device")))
     assert compiled(lambda x: 2 * x)(21) == 42

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from sweeps import compounded, oblique_frames, sphere_bone, turned_grid
+from sweeps import compounded, oblique_frames, rigid, sphere_bone, turned_grid
 
 from AIFReconLib.compounding import splat_engine
 from AIFReconLib.compounding.reconstructor import Reconstructor
@@ -96,11 +96,9 @@ def test_the_size_of_the_parts_makes_no_difference(method, monkeypatch, engine):
     np.testing.assert_array_equal(reconstructed(frames, grid, method, engine).intensity.array, whole)
 
 
-def one_pixel(place, method, engine, value=80.0, size=(4, 4, 4)):
-    pose = np.eye(4)
-    pose[:3, 3] = place
-    grid = VoxelGrid.from_spacing((0, 0, 0), size, 1.0)
-    return reconstructed([TrackedFrame(np.full((1, 1), value, np.float32), pose)], grid, method, engine, region=None)
+def one_pixel(place, method, engine):
+    frame = TrackedFrame(np.full((1, 1), 80.0, np.float32), rigid(translation=place))
+    return reconstructed([frame], VoxelGrid.from_spacing((0, 0, 0), (4, 4, 4), 1.0), method, engine, region=None)
 
 
 @pytest.mark.parametrize(("place", "corners"), [((1.5, 1.5, 1.5), 8), ((1.5, 1.5, 1.49), 4), ((1.2, 1.2, 1.2), 4), ((1.1, 1.1, 1.1), 1)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sweeps import rigid
 
 from AIFReconLib.geometry.box import box_around, corners_of, middle_on_plane
 
@@ -26,7 +27,5 @@ def test_its_middle_is_told_on_planes_that_are_near_it():
     corners = corners_of(np.array([[0.0, 2.0], [10.0, 20.0], [-5.0, 5.0]]))
     assert len({*map(tuple, corners)}) == 8
     for away, expected in ((2.9, (1.0, 15.0, 2.9)), (3.1, None)):
-        plane = np.eye(4)
-        plane[2, 3] = away
-        middle = middle_on_plane(corners, plane)
+        middle = middle_on_plane(corners, rigid(translation=(0.0, 0.0, away)))
         assert middle is None if expected is None else middle == pytest.approx(expected)

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from geometry_strategies import rigid, rigid_poses, scaled
+from geometry_strategies import IMAGE_TO_PROBE, PROBE_TO_TRACKER, REFERENCE_TO_TRACKER, rigid, rigid_poses, scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from AIFReconLib.errors import GeometryError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, find_ways
-
-IMAGE_TO_PROBE = rigid((0.1, 0.2, -0.3), (5.0, 6.0, 7.0)) @ scaled(0.2, 0.3, 0.25)
-PROBE_TO_TRACKER = rigid((1.1, -0.4, 0.2), (100.0, 50.0, -20.0))
-REFERENCE_TO_TRACKER = rigid((-0.5, 0.9, 1.4), (-30.0, 10.0, 400.0))
-
 
 CHAIN = {"ImageToProbe": IMAGE_TO_PROBE, "ProbeToTracker": PROBE_TO_TRACKER, "ReferenceToTracker": REFERENCE_TO_TRACKER}
 CHAIN["StylusToTracker"] = np.eye(4)

@@ -148,6 +148,3 @@ def test_what_one_way_leaves_is_the_next_ones():
 def test_a_way_that_makes_no_sense_is_refused(arguments, expected):
     with pytest.raises(SettingsError, match=expected):
         HoleFilling(*arguments)
-
-
-# What the settings ask for

@@ -15,28 +15,14 @@ def cells(path, kind):
     return [cell for cell in json.loads(path.read_text("utf-8"))["cells"] if cell["cell_type"] == kind]
 
 
-@pytest.fixture(scope="module")
-def own_arrays(tmp_path_factory):
-    """What the cells of the notebook leave behind, and the folder where they ran."""
+def test_own_arrays_become_a_figure_and_a_volume_whose_bone_masks_make_brighter(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="matplotlib is not installed")
-    [path] = [path for path in NOTEBOOKS if path.stem == "own_arrays"]
-    folder, names = tmp_path_factory.mktemp("notebook"), {"__name__": "__main__"}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        for cell in cells(path, "code"):
-            exec(compile("".join(cell["source"]), path.name, "exec"), names)
-    return names, folder
-
-
-def test_own_arrays_become_a_volume_and_a_figure(own_arrays):
-    names, folder = own_arrays
-    assert {path.name for path in folder.iterdir()} == {"weighted.nrrd", "figure.pdf", "figure.png"}
-    assert (folder / "figure.pdf").read_bytes().startswith(b"%PDF")
-    assert names["weighted"].shape == names["volumes"]["average"].shape
-
-
-def test_masks_make_the_bone_of_the_notebook_brighter(own_arrays):
-    names, _ = own_arrays
+    [path], names = [path for path in NOTEBOOKS if path.stem == "own_arrays"], {"__name__": "__main__"}
+    monkeypatch.chdir(tmp_path)
+    for cell in cells(path, "code"):
+        exec(compile("".join(cell["source"]), path.name, "exec"), names)
+    assert {path.name for path in tmp_path.iterdir()} == {"weighted.nrrd", "figure.pdf", "figure.png"}
+    assert (tmp_path / "figure.pdf").read_bytes().startswith(b"%PDF")
     brightest = {name: float(np.percentile(np.asarray(volume), 99.5)) for name, volume in names["volumes"].items()}
     assert brightest["weighted"] > 1.5 * brightest["average"]
 

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from pathlib import PureWindowsPath
+from unittest import mock
 
 import pytest
 from doc_pages import REPOSITORY
@@ -97,13 +98,10 @@ def test_a_text_file_may_have_the_line_ends_of_windows(patient, tmp_path, name):
 
 def test_a_file_that_another_program_holds_open_is_not_replaced_and_said_so(patient, results, monkeypatch, capsys):
     """Windows refuses to rename over it."""
-
-    def held(source, target, **options):
-        raise PermissionError(13, "The process cannot access the file because it is being used by another process")
-
+    held = PermissionError(13, "The process cannot access the file because it is being used by another process")
     volume = results / "volume.nrrd"
     volume.write_bytes(b"older")
-    monkeypatch.setattr(os, "replace", held)
+    monkeypatch.setattr(os, "replace", mock.Mock(side_effect=held))
     assert main([*patient.reconstruct, "--spacing", "2", "--output", str(volume)]) == 2
     assert "close programs that hold the file open" in capsys.readouterr().err
     assert volume.read_bytes() == b"older"

@@ -10,6 +10,7 @@ import sys
 import pytest
 import weight
 from doc_pages import REPOSITORY, name_of
+from release.notes import version_of
 
 import AIFReconLib
 
@@ -91,9 +92,7 @@ def test_types_cost_no_package_at_import():
 
 def test_the_version_can_be_read_without_importing_the_library_and_is_cited():
     """A package is built where numpy is not installed."""
-    tree = ast.parse((LIBRARY / "__init__.py").read_text("utf-8"))
-    [value] = [node.value for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__version__"]
-    assert ast.literal_eval(value) == AIFReconLib.__version__
+    assert version_of((LIBRARY / "__init__.py").read_text("utf-8")) == AIFReconLib.__version__
     cited = re.search(r"^version: (.+)$", (REPOSITORY / "CITATION.cff").read_text("utf-8"), re.MULTILINE)
     assert cited
     assert cited[1] == AIFReconLib.__version__

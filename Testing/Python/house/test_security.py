@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import inspect
 import os
 import pickle
 import socket
@@ -276,16 +275,8 @@ def test_a_decoder_of_videos_may_read_that_file_and_formats_of_videos_alone(inpu
 # ---- ports
 
 
-def test_a_server_listens_on_this_machine_alone_unless_told_otherwise():
-    assert inspect.signature(ReplayServer).parameters["host"].default == "127.0.0.1"
+def test_a_server_cannot_be_reached_by_another_address_of_this_machine_unless_told_otherwise(patient):
     assert parser_of("replay").parse(["sweep.mha"]).host == "127.0.0.1"
-
-
-def test_a_server_cannot_be_reached_by_another_address_of_this_machine(patient):
     server = ReplayServer(read_sequence(patient.sweep, patient.config), port=0, loop=True)
-    server.start()
-    try:
-        with pytest.raises(OSError), socket.create_connection(("127.0.0.2", server.port), timeout=1):
-            pass
-    finally:
-        server.stop()
+    with server, pytest.raises(OSError), socket.create_connection(("127.0.0.2", server.port), timeout=1):
+        pass

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -53,24 +54,18 @@ def rewrite(folder: Path, statuses=None, move=None) -> None:
     write_sequence(replace(sequence, records=records, images=np.asarray(sequence.images)), folder / "sweep.igs.mha")
 
 
+def moved(millimeters):
+    """Poses so far along z, by the number of their frame."""
+    return partial(rewrite, move=lambda number: rigid(translation=(0.0, 0.0, millimeters(number))))
+
+
 def as_it_is(folder: Path) -> None:
     """The files of the page's commands."""
 
 
-def blind(folder: Path) -> None:
-    rewrite(folder, lambda number: TransformStatus.OUT_OF_VIEW)
-
-
-def at_times_blind(folder: Path) -> None:
-    rewrite(folder, lambda number: TransformStatus.OUT_OF_VIEW if number in (1, 2, 5) else TransformStatus.OK)
-
-
-def far_apart(folder: Path) -> None:
-    rewrite(folder, move=lambda number: rigid(translation=(0.0, 0.0, 500.0 * number)))
-
-
-def jumping(folder: Path) -> None:
-    rewrite(folder, move=lambda number: rigid(translation=(0.0, 0.0, 0.5 * number + (300.0 if number > 4 else 0.0))))
+BLIND = partial(rewrite, statuses=lambda number: TransformStatus.OUT_OF_VIEW)
+AT_TIMES_BLIND = partial(rewrite, statuses=lambda number: TransformStatus.OUT_OF_VIEW if number in (1, 2, 5) else TransformStatus.OK)
+JUMPING, FAR_APART = moved(lambda number: 0.5 * number + 300.0 * (number > 4)), moved(lambda number: 500.0 * number)
 
 
 def with_image_poses(folder: Path) -> None:
@@ -99,19 +94,19 @@ IMPORT = "import frames/ --poses poses.csv --output i.mha"
 CASES = {
     "aifrecon: sweep.igs.mha: Nothing says where": (as_it_is, f"reconstruct sweep.igs.mha {OUTPUT}"),
     "aifrecon: scan.mhd: Two paths lead": (with_image_poses, f"reconstruct scan.mhd --config PlusDeviceSet.xml {OUTPUT}"),
-    "aifrecon: sweep.igs.mha: no frame has a position": (blind, RECONSTRUCT),
+    "aifrecon: sweep.igs.mha: no frame has a position": (BLIND, RECONSTRUCT),
     "aifrecon: sweep.igs.mha: no frame falls": (box_elsewhere, f"{RECONSTRUCT} --grid-like elsewhere.nrrd"),
-    "The pose jumps faster": (jumping, f"info {SWEEP}"),
+    "The pose jumps faster": (JUMPING, f"info {SWEEP}"),
     "aifrecon: The poses move": (poses_in_meters, f"{IMPORT} --transform ImageToTracker --spacing 0.4 0.5"),
     "aifrecon: The poses of ImageToReference are rigid": (as_it_is, f"{IMPORT} --transform ImageToReference"),
     "aifrecon: Method weighted needs": (as_it_is, f"{RECONSTRUCT} --method weighted"),
     "aifrecon: ct.nrrd: labels must": (ct, f"{RECONSTRUCT} --bone-labels ct.nrrd"),
-    "skipped: 81 frames": (at_times_blind, RECONSTRUCT),
+    "skipped: 81 frames": (AT_TIMES_BLIND, RECONSTRUCT),
     "aifrecon: Port 18974 is in use": (as_it_is, f"replay {SWEEP} --port SERVED"),
     "aifrecon: 127.0.0.1 has no server": (as_it_is, f"live --port FREE {OUTPUT}"),
-    "aifrecon: Not one of": (blind, f"live --port SERVED --frames 9 {OUTPUT}"),
+    "aifrecon: Not one of": (BLIND, f"live --port SERVED --frames 9 {OUTPUT}"),
     "aifrecon: The server at": (as_it_is, f"live --port SERVED --image Video {OUTPUT}"),
-    "aifrecon: A volume of": (far_apart, f"{RECONSTRUCT} --spacing 0.01"),
+    "aifrecon: A volume of": (FAR_APART, f"{RECONSTRUCT} --spacing 0.01"),
 }
 """How a line of the page begins: what is done to the files of its commands, and the command that says it."""
 

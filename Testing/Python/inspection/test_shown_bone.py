@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from sweeps import rigid
 
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.geometry.volume import Volume
@@ -71,9 +72,7 @@ def test_a_crumb_is_hidden_and_counted():
 def test_distances_are_those_to_the_placed_labels():
     labels = np.zeros((20, 20, 20), dtype=np.uint8)
     labels[:, :10] = 1
-    place = np.eye(4)
-    place[:3, 3] = 100.0, 0.0, 0.0
-    shown = shown_bone(reconstruction(SHEET, SHEET), Volume(labels, np.eye(4)), place)
+    shown = shown_bone(reconstruction(SHEET, SHEET), Volume(labels, np.eye(4)), rigid(translation=(100.0, 0.0, 0.0)))
     # The face lies half a voxel beyond the last labeled center, y = 9.5
     np.testing.assert_allclose(shown.distances(np.array([[110.0, 14.5, 10.0], [110.0, 7.5, 10.0]])), [5.0, 2.0], atol=0.3)
 

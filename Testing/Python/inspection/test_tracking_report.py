@@ -32,49 +32,34 @@ def report(*arguments, **options):
     return tracking_report(sequence, sweep_poses(sequence))
 
 
-def test_speed_and_steps_are_in_millimeters():
-    found = report([0.0, 1.0, 2.0, 5.0])
-    assert (found.median_step, found.largest_step) == pytest.approx((1.0, 3.0))
-    assert (found.median_speed, found.highest_speed) == pytest.approx((10.0, 30.0))
+OUT_OF_VIEW = {2: TransformStatus.OUT_OF_VIEW, 3: TransformStatus.OUT_OF_VIEW}
+CORNERS = np.sqrt(2 * (40.0**2 + 30.0**2 + 50.0**2) / 4)
+"""mm by which a right angle about the first pixel moves the corners: 0, 40, 30 and 50 times the square root of 2."""
+
+REPORTS = {
+    "steps": ([0.0, 1.0, 2.0, 5.0], {}, {"median_step": 1.0, "largest_step": 3.0, "median_speed": 10.0, "highest_speed": 30.0}),
+    "a turn": ([0.0, 0.0], {"turns": [0.0, 90.0]}, {"largest_step": CORNERS}),
+    "a gap between used frames": (np.arange(6), {"statuses": OUT_OF_VIEW}, {"longest_gap": 0.3, "longest_gap_after": 1}),
+    "moved on while nothing was recorded": ([0, 1, 2, 90, 91], {"times": [0, 0.1, 0.2, 3.0, 3.1]}, {"jumps": ()}),
+    "fast as a whole": (np.arange(0, 300, 25.0), {}, {"jumps": ()}),
+    "in any order": ([2.0, 0.0, 1.0], {"times": [0.2, 0.0, 0.1]}, {"largest_step": 1.0}),
+    "no times": ([0.0, 1.0], {"times": [None, None]}, {"median_step": 1.0, "median_speed": None, "longest_gap": None}),
+    "one frame": ([0.0], {}, {"used": 1}),
+    "two frames": ([0.0, 0.0], {}, {"used": 2}),
+}
 
 
-def test_a_turn_moves_the_corners():
-    """A right angle about the first pixel: the four corners move by 0, 40, 30 and 50 mm times the square root of 2."""
-    expected = np.sqrt(2 * (40.0**2 + 30.0**2 + 50.0**2) / 4)
-    assert report([0.0, 0.0], turns=[0.0, 90.0]).largest_step == pytest.approx(expected)
-
-
-def test_the_longest_gap_is_between_used_frames():
-    found = report(np.arange(6), statuses={2: TransformStatus.OUT_OF_VIEW, 3: TransformStatus.OUT_OF_VIEW})
-    assert (found.longest_gap, found.longest_gap_after) == (pytest.approx(0.3), 1)
+@pytest.mark.parametrize(("positions", "options", "numbers"), REPORTS.values(), ids=REPORTS)
+def test_a_sweep_is_told_in_numbers(positions, options, numbers):
+    found = report(positions, **options)
+    for name, number in numbers.items():
+        assert getattr(found, name) == pytest.approx(number), name
 
 
 def test_a_jump_is_named_with_its_frames_and_distance():
     found = report([0, 1, 2, 3, 63, 64, 65])
     assert [jump.to_text() for jump in found.jumps] == ["frames 3 to 4: 60.0 mm in 0.10 s"]
     assert "jumps faster than a probe can move" in found.findings()[0]
-
-
-def test_moving_on_while_nothing_is_recorded_is_no_jump():
-    assert report([0, 1, 2, 90, 91], times=[0, 0.1, 0.2, 3.0, 3.1]).jumps == ()
-
-
-def test_a_sweep_that_is_fast_as_a_whole_has_no_jumps():
-    assert report(np.arange(0, 300, 25.0)).jumps == ()
-
-
-def test_frames_in_any_order_are_looked_at_in_order_of_time():
-    assert report([2.0, 0.0, 1.0], times=[0.2, 0.0, 0.1]).largest_step == pytest.approx(1.0)
-
-
-def test_without_times_there_are_steps_and_no_speeds():
-    found = report([0.0, 1.0], times=[None, None])
-    assert (found.median_step, found.median_speed, found.longest_gap) == (1.0, None, None)
-
-
-@pytest.mark.parametrize("count", [1, 2])
-def test_a_sweep_of_few_frames_is_no_error(count):
-    assert report(np.zeros(count)).used == count
 
 
 def test_info_as_json_holds_the_same(tmp_path, capsys):

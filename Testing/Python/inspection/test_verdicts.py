@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from AIFReconLib.calibration.check import CalibrationCheck
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.coverage import back_of_labels
 from AIFReconLib.inspection.tracking_report import TrackingReport, _PoseJump
 from AIFReconLib.inspection.verdicts import Level, Verdict, calibration_verdict, coverage_verdict, registration_verdict, tracking_verdict
 from AIFReconLib.message import Sentence, advised
@@ -86,21 +91,11 @@ def test_a_sweep_that_met_no_bone_is_poor():
 
 def test_bone_that_faces_the_back_is_told_by_label():
     """A slab's near face that every beam meets shows; its far face is not asked for."""
-    from AIFReconLib.geometry.volume import Volume
-    from AIFReconLib.guidance.bone import guided_bone
-    from AIFReconLib.guidance.coverage import back_of_labels
-
-    class Met:
-        """All points that face the back are met, and no other."""
-
-        def __init__(self, bone):
-            self.bone = bone
-            self.best_cosine = np.where(-bone.surface.normals_reference[:, 1] > 0.5, 0.9, np.nan)
-            self.expected = np.where(np.isfinite(self.best_cosine), 1.0, 0.0)
-
     array = np.zeros((24, 24, 24), np.uint8)
     array[4:12, 8:14, 4:20], array[12:20, 8:14, 4:20] = 1, 2
-    shares = back_of_labels(Met(guided_bone(Volume(array, np.eye(4)))))
+    bone = guided_bone(Volume(array, np.eye(4)))
+    facing = bone.surface.normals_reference[:, 1] < -0.5
+    shares = back_of_labels(SimpleNamespace(bone=bone, best_cosine=np.where(facing, 0.9, np.nan), expected=facing.astype(float)))
     assert set(shares) == {"1", "2"}
     assert [share.expected_visibility for share in shares.values()] == pytest.approx([1.0, 1.0])
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from live_messages import streamed
-from scipy.spatial.transform import Rotation
+from sweeps import laid_on
 from waiting import until
 
 from AIFReconLib import LabeledBone, mended, read_labels, read_sequence, read_transform, reconstruct, register
@@ -67,10 +67,7 @@ def beside(poses, true, together: bool = False) -> float:
     """The same of poses; of how they lie to each other alone, where all may be elsewhere `together`, as nothing holds them without a CT."""
     pixels = np.array([[x, y, 0.0, 1.0] for x in (100, 250) for y in (150, 250)])
     here, there = (np.swapaxes(np.asarray(each) @ pixels.T, 1, 2)[..., :3].reshape(-1, 3) for each in (poses, true))
-    if together:
-        here, there = here - here.mean(axis=0), there - there.mean(axis=0)
-        here = Rotation.align_vectors(there, here)[0].apply(here)
-    return float(np.sqrt(((here - there) ** 2).sum(axis=1).mean()))
+    return float(np.sqrt((((laid_on(here, there) if together else here) - there) ** 2).sum(axis=1).mean()))
 
 
 def test_motion_is_taken_out_of_the_poses_and_the_header_says_so(rest, moving, bone):

@@ -9,8 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ray_echoes import ray_echoes, spine
-from scipy.spatial.transform import Rotation
-from sweeps import rigid
+from sweeps import laid_on, rigid
 
 from AIFReconLib import TrackedSequence
 from AIFReconLib.bone.echoes.found import SweepEchoes
@@ -65,10 +64,7 @@ def moved(scan, **errors) -> SweepEchoes:
 def left(found: PatientMotion, shown: SweepEchoes, true: SweepEchoes, as_one: bool) -> float:
     """mm, root mean square, between where echoes came to lie and where they were at rest; laid on each other as one where that is asked."""
     here, there = found.curve.moved(shown).points, true.points
-    if as_one:
-        here, there = here - here.mean(axis=0), there - there.mean(axis=0)
-        here = Rotation.align_vectors(there, here)[0].apply(here)
-    return float(np.sqrt(((here - there) ** 2).sum(axis=1).mean()))
+    return float(np.sqrt((((laid_on(here, there) if as_one else here) - there) ** 2).sum(axis=1).mean()))
 
 
 def test_a_patient_at_rest_is_left_alone_and_said_to_have_lain_still(scan, bone):

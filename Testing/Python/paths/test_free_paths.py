@@ -16,7 +16,7 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.evaluation.visibility import SweepBeams
 from AIFReconLib.geometry.labels import Labels
-from AIFReconLib.geometry.transforms import LPS_FROM_RAS, invert, transform_points
+from AIFReconLib.geometry.transforms import LPS_FROM_RAS, affine, invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.models import read_model
 from AIFReconLib.paths.free_paths import FreePaths, free_paths
@@ -27,9 +27,7 @@ from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.terminal.remedies import in_options
 
-BODY_TO_REFERENCE = np.eye(4)
-BODY_TO_REFERENCE[:3, :3] = Rotation.from_euler("xyz", (25, -40, 70), degrees=True).as_matrix()
-BODY_TO_REFERENCE[:3, 3] = (30.0, -80.0, 15.0)
+BODY_TO_REFERENCE = affine(Rotation.from_euler("xyz", (25, -40, 70), degrees=True).as_matrix(), (30.0, -80.0, 15.0))
 """Body: the skin is y = 0, a wall of bone y = 20 to 22, the target (0, 40, 0)."""
 
 GRID_TO_REFERENCE = BODY_TO_REFERENCE @ np.array([[0.0, 0, 0.8, -36], [0.5, 0, 0, 0], [0, 1.0, 0, -36], [0, 0, 0, 1]])
@@ -189,9 +187,7 @@ def test_bone_of_a_ct_counts_where_it_agrees_and_is_said_not_to_where_it_does_no
     assert found.ct_agrees
     assert found.along(reference(-8, 0, 0), reference(-8, 40, 0))[0] > 0
     assert found.along(reference(9, 0, 0), reference(9, 40, 0))[0] < 0
-    off = np.eye(4)
-    off[:3, 3] = 4.0 * BODY_TO_REFERENCE[:3, 1]
-    wrong = free_paths(volume, TARGET, skin, labels, off)
+    wrong = free_paths(volume, TARGET, skin, labels, affine(np.eye(3), 4.0 * BODY_TO_REFERENCE[:3, 1]))
     assert wrong.ct_agrees is False
     assert any(note.startswith("WARNING: the CT does not lie on the volume's bone") for note in wrong.notes)
     assert any(line.endswith("Find the place of the CT with aifrecon register.") for line in wrong.text(in_options))

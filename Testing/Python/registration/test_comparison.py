@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from files import tracked_sequence, write_patient
 from study.method_cases import configured, simulated_scan
+from sweeps import rigid
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.field import BoneField
@@ -134,18 +135,24 @@ def test_echoes_far_from_a_ct_that_is_a_little_off_are_no_bone(tenth, elsewhere,
     assert Agreement(0.5, 1.0, 100, elsewhere, upper_tenth=tenth).reach == reach
 
 
-def test_a_ct_that_is_a_little_off_leaves_out_the_echoes_far_from_it():
-    phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(1), spacing=1.5)
-    sequence = simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 27), 1).sequence
-    place = np.eye(4)
-    place[:3, 3] = 0.0, 2.5, 0.0
+@pytest.fixture(scope="module")
+def phantom():
+    return make_lumbar_phantom(LumbarAnatomy.from_seed(1), spacing=1.5)
+
+
+@pytest.fixture(scope="module")
+def scanned(phantom):
+    return simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 27), 1).sequence
+
+
+def test_a_ct_that_is_a_little_off_leaves_out_the_echoes_far_from_it(phantom, scanned):
     # Of the uppermost vertebra few echoes come, and this CT lacks it
     labels = Labels(phantom.labels.array, phantom.labels.ijk_to_reference)
     lacking = labels.only(labels.numbers()[1:])
-    bone = LabeledBone(lacking, place, sequence)
+    bone = LabeledBone(lacking, rigid(translation=(0.0, 2.5, 0.0)), scanned)
     assert bone.comparison().agreement.misplaced
     assert np.isfinite(bone.comparison().agreement.reach)
-    made, every = bone.map("weighted").probability, bone_from_sweep(sequence).probability
+    made, every = bone.map("weighted").probability, bone_from_sweep(scanned).probability
     far = [_far_from(BoneField.from_labels(lacking), each) for each in (made, every)]
     assert far[0] == 0 < far[1]
 
@@ -153,8 +160,7 @@ def test_a_ct_that_is_a_little_off_leaves_out_the_echoes_far_from_it():
 NO_BONE = r"the images show hardly any bone, \d+ echoes in 27 frames|\d+ bone echoes, .* are too few"
 
 
-def test_tissue_alone_makes_no_bone_and_says_so(monkeypatch):
-    phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(1), spacing=1.5)
+def test_tissue_alone_makes_no_bone_and_says_so(phantom, monkeypatch):
     far = Volume(np.full_like(phantom.bone_distance.array, 6.0), phantom.bone_distance.ijk_to_reference)
     probe = PhasedArray()
     images = simulate_sweep(replace(phantom, bone_distance=far), probe, multi_angle_sweep(phantom, 27), seed=1)
@@ -174,16 +180,13 @@ def _far_from(bone, probability) -> int:
     return int(np.count_nonzero(bone.distances(points) > 12.0))
 
 
-def test_weighted_with_a_misplaced_ct_is_weighted_with_the_echoes_of_the_sweep():
-    phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(1), spacing=1.5)
-    sequence = simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 27), 1).sequence
-    off = np.eye(4)
-    off[:3, 3] = 3.0, 5.0, -2.0
-    right, wrong = LabeledBone(phantom.labels, None, sequence), LabeledBone(phantom.labels, off, sequence)
+def test_weighted_with_a_misplaced_ct_is_weighted_with_the_echoes_of_the_sweep(phantom, scanned):
+    off = rigid(translation=(3.0, 5.0, -2.0))
+    right, wrong = LabeledBone(phantom.labels, None, scanned), LabeledBone(phantom.labels, off, scanned)
     assert not right.taken_from_echoes("weighted")
-    np.testing.assert_array_equal(wrong.map("weighted").probability.array, bone_from_sweep(sequence).probability.array)
+    np.testing.assert_array_equal(wrong.map("weighted").probability.array, bone_from_sweep(scanned).probability.array)
     assert wrong.settings("weighted") == {"bone_sigma_mm": "auto"}
     assert wrong.lines("weighted")[-1].startswith("Bone is taken from the sweep's own echoes")
-    fixed = LabeledBone(phantom.labels, off, sequence, Recipe(bone_sigma_mm=2.0))
+    fixed = LabeledBone(phantom.labels, off, scanned, Recipe(bone_sigma_mm=2.0))
     assert not fixed.taken_from_echoes("weighted"), "who gives a width is believed"
     assert not wrong.taken_from_echoes("aif"), "the paper's methods are the paper's"

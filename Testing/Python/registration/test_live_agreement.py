@@ -44,12 +44,7 @@ class Scan:
         """The frames as they come from `start` s on, of a patient who has moved."""
         placed = np.eye(4) if motion is None else motion
         return [
-            LiveFrame(
-                frame.image,
-                placed @ frame.image_to_reference,
-                timestamp=start + number / RATE,
-                number=number,
-            )
+            LiveFrame(frame.image, placed @ frame.image_to_reference, timestamp=start + number / RATE, number=number)
             for number, frame in enumerate(self.frames)
         ]
 

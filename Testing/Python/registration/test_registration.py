@@ -13,6 +13,7 @@ from sweeps import rigid
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.field import FARTHEST_KNOWN, BoneField
 from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.registration.certainty import not_held
@@ -52,9 +53,7 @@ def rod(length=120, radius=5.0) -> Volume:
     """A round shaft along z."""
     k, j, i = np.indices((length, 24, 24))
     inside = (np.hypot(i - 11.5, j - 11.5) < radius) & (k > 0) & (k < length - 1)
-    matrix = np.eye(4)
-    matrix[:3, 3] = -11.5, -11.5, -length / 2
-    return Volume(inside.astype(np.uint8), matrix)
+    return Volume(inside.astype(np.uint8), move(-11.5, -11.5, -length / 2))
 
 
 def off_by(one, other, points) -> float:
@@ -182,7 +181,7 @@ def test_a_ct_finds_its_place_without_a_start():
 def test_levels_that_fit_equally_well_are_ambiguous():
     """A spine of equal vertebrae of which the sweep shows a part in the middle."""
     same = spine_of_equal_levels()
-    labels = Volume(np.where(np.isin(same.labels.array, (2, 3)), same.labels.array, 0).astype(np.uint8), same.labels.ijk_to_reference)
+    labels = kept(same.labels, 2, 3)
     middle = transform_points(labels.ijk_to_reference, np.argwhere(labels.array)[:, ::-1].astype(float))[:, 2]
     seen = ray_echoes(same.bone_distance, z_range=(middle.min() - 25.0, middle.max() + 25.0), noise=0.2)
     found = register_echoes(seen, BoneField.from_labels(labels), np.eye(4))
@@ -198,7 +197,7 @@ def test_a_start_one_level_off_does_not_stay_there(echoes, bone):
 
 
 def kept(labels: Volume, *numbers: int) -> Volume:
-    return Volume(np.where(np.isin(labels.array, numbers), labels.array, 0).astype(np.uint8), labels.ijk_to_reference)
+    return Labels(labels.array, labels.ijk_to_reference).only(numbers)
 
 
 @pytest.mark.parametrize("label", [1, 2, 3])

@@ -2,6 +2,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from sweeps import rigid
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.geometry.transforms import invert, transform_points
@@ -163,11 +164,7 @@ def test_people_differ_within_the_published_ranges():
 
 
 def test_a_ct_in_its_own_frame_shows_the_same_bone(person):
-    ct_to_reference = np.eye(4)
-    angle = np.deg2rad(8.0)
-    ct_to_reference[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-    ct_to_reference[:3, 3] = 120.0, -80.0, 1000.0
-    turned = make_lumbar_phantom(person.anatomy, spacing=COARSE, ct_to_reference=ct_to_reference)
+    turned = make_lumbar_phantom(person.anatomy, spacing=COARSE, ct_to_reference=rigid((0.0, 0.0, 8.0), (120.0, -80.0, 1000.0)))
     placed = turned.labels.placed_by(turned.ct_to_reference)
     ijk = np.argwhere(placed.array > 0)[:, ::-1]
     inside = transform_points(person.bone_distance.grid.reference_to_ijk @ placed.ijk_to_reference, ijk)

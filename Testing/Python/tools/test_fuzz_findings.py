@@ -14,7 +14,7 @@ from variant_files import slicer_images
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.io.foreign.openers import natural_order, open_images
+from AIFReconLib.io.foreign.openers import natural_order
 from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.metafile.text_values import parse_number
@@ -65,10 +65,6 @@ def infinite_direction(path):
     path.write_bytes(re.sub(rb"directions: \(-?1.0", b"directions: (inf", path.read_bytes()))
 
 
-def first_of(path):
-    return open_images([path]).stack[0]
-
-
 def poses(path):
     return read_poses(path, ImportOptions())
 
@@ -87,11 +83,6 @@ REFUSED = {
         content(ITK_TEXT.replace(b"#Transform 0\n", b"") + b"CompositeTransform_double_3_3\n" + 2 * AFFINE),
     ),
     "a type of voxels that is none made ITK complain": (read_volume, "v.nii", nifti(70, b"\x07\0")),
-    "Pillow would have started Ghostscript": (
-        first_of,
-        "frame.png",
-        content("%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 8 6\n%%EndComments\nshowpage\n"),
-    ),
     "ITK's NRRD reader crashed on four sizes": (read_volume, "v.nrrd", volume(sizes="6 4 3 1", dimension="4", kinds=None)),
     "it made up a place where there is none": (read_volume, "v.nrrd", volume(space_directions="none none none")),
     "it crashed on a space with time": (read_volume, "v.nrrd", volume(space="left-posterior-superior-time")),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from study.real_bone import main
 from study.real_bone_measures import by_incidence, false_bone, precision
+from sweeps import rigid
 
 from AIFReconLib.evaluation.visibility import bone_truth
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
@@ -32,12 +33,6 @@ def volume(**planes):
     return Volume(gray, GRID.ijk_to_reference)
 
 
-def moved(mm):
-    error = np.eye(4)
-    error[2, 3] = mm
-    return error
-
-
 def test_precision_tells_bright_voxels_on_the_surface_from_those_inside_and_outside(truth):
     found = precision(volume(k19=200, k20=200, k24=200, k14=200), truth)
     assert [found[f"{name}_180"] for name in ("precision", "inside", "outside")] == [0.5, 0.25, 0.25]
@@ -45,7 +40,7 @@ def test_precision_tells_bright_voxels_on_the_surface_from_those_inside_and_outs
 
 
 def test_a_line_where_the_misplaced_ct_expects_bone_is_false_bone(truth):
-    found = false_bone(volume(k13=255), truth, moved(-6.0))
+    found = false_bone(volume(k13=255), truth, rigid(translation=(0.0, 0.0, -6.0)))
     assert found["false_bone"] == 1.0
     assert found["false_area"] == pytest.approx(truth.surface.areas.sum())
 

@@ -7,6 +7,7 @@ import sys
 from datetime import date
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 import measured
 import numpy as np
@@ -33,16 +34,8 @@ def row(seed, method="average", value=1.0, condition="right CT", kind="real shap
     return Row(seed, kind, condition, method, dict.fromkeys(NAMES, value))
 
 
-def test_a_case_reconstructs_and_measures(monkeypatch):
-    for name, value in {
-        "SPACING": 2.0,
-        "HOLE_LIMIT": 4.0,
-        "MULTI_FRAMES": 36,
-        "SINGLE_FRAMES": 4,
-        "TISSUE_FRAMES": 9,
-        "SHIFTS": {},
-    }.items():
-        monkeypatch.setattr(method_cases, name, value)
+@mock.patch.multiple(method_cases, SPACING=2.0, HOLE_LIMIT=4.0, MULTI_FRAMES=36, SINGLE_FRAMES=4, TISSUE_FRAMES=9, SHIFTS={})
+def test_a_case_reconstructs_and_measures():
     rows = {(each.condition, each.method): each.metrics for each in patient_rows((PHANTOM, 2))}
     average, weighted = rows["right CT", "average"], rows["right CT", "weighted"]
     assert weighted["bone_cnr"] > 2 * average["bone_cnr"]
