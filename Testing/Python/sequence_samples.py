@@ -80,8 +80,8 @@ def single_frame(path: Path, image: np.ndarray, spacing: str = "0.2 0.3 1") -> N
     raw = path.with_suffix(".raw") if path.suffix == ".mhd" else None
     if raw is not None:
         raw.write_bytes(image.tobytes())
-    told: dict[str, str | None] = {"ElementSpacing": spacing, "ElementDataFile": "LOCAL" if raw is None else raw.name}
-    metaimage(path, image[None], {}, data=b"" if raw else None, Kinds=None, UltrasoundImageOrientation=None, **told)
+    told = {"ElementSpacing": spacing, "ElementDataFile": "LOCAL" if raw is None else raw.name}
+    metaimage(path, image[None], told, data=b"" if raw else None, Kinds=None, UltrasoundImageOrientation=None)
 
 
 def nrrd(

@@ -1,6 +1,7 @@
 """Walks through the module in a Slicer application as a user does; measures how smooth its windows stay, and takes pictures of each step.
 
     Slicer --no-splash --additional-module-paths AIFRecon --python-script Testing/Slicer/walkInSlicer.py FOLDER [SECONDS]
+    QT_QPA_PLATFORM=offscreen python Testing/Slicer/walkInSlicer.py FOLDER [SECONDS]  # on Testing/host: to see that it works
 
 A run: the sample in one press, again, the comparison, guidance, paths, a wrong CT, placed, a patient who moves, a thin scan. A scan:
 SECONDS (60) of a simulated patient at 30 frames/s of 640 x 480 from a process of its own, with guidance and recording, its box from a
@@ -22,12 +23,19 @@ import zlib
 from typing import Any
 
 import numpy as np
-import qt
-import slicer
 from PIL import Image
 
 HERE = pathlib.Path(__file__).resolve().parent
+try:
+    import qt
+except ImportError:
+    sys.path.append(str(HERE.parent))
+    from host import runHost
+
+    runHost().start(HERE.parents[1] / "AIFRecon" / "AIFRecon.py")
+    import qt
 sys.path.append(str(HERE))
+import slicer  # noqa: E402 - the host makes it
 import tinyScene  # noqa: E402 - its folder must be known first
 
 from AIFReconLib.simulation.scan import TrackingErrors  # noqa: E402 - known once Slicer has loaded the module
@@ -276,8 +284,9 @@ class Walk:
         self.press("run: Place CT", ui.placeButton)
         self.judged("run: Reconstruct with the CT placed", ui.applyButton, "registration")
         ui.settingsCollapsibleButton.collapsed = False
-        for group in panel.findChildren("ctkCollapsibleGroupBox"):
-            group.collapsed = False
+        for name, group in vars(ui).items():
+            if name.endswith("GroupBox"):
+                group.collapsed = False
         self.settle(1.0)
         self.picture("settings", ui.settingsCollapsibleButton, 2)
         self._imported(parameters().sweep)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import PIL.Image
@@ -55,7 +56,7 @@ def metaimages(folder: Path) -> None:
 
 
 MEASURES = groups(shared=[("PixelMeasuresSequence", {"PixelSpacing": [0.2, 0.2]})])
-ARRAYS = {"images": IMAGES, "image_to_reference": POSES @ TO_MM, "timestamps": np.arange(COUNT) / 20}
+ARRAYS: dict[str, Any] = {"images": IMAGES, "image_to_reference": POSES @ TO_MM, "timestamps": np.arange(COUNT) / 20}
 WRITERS = {
     "US-Acq_1": lambda folder: acquisition(folder / "US-Acq_1"),
     "sweep.bag": bag,
